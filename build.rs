@@ -1,5 +1,5 @@
-//! Compiles every shader in `shaders/` from GLSL to SPIR-V with glslang (through shaderc), optimised, for Vulkan 1.3. Without
-//! the feature `vulkan` there is nothing to do.
+//! Compiles every shader in `shaders/` from GLSL to SPIR-V with glslang (through shaderc), optimised, for Vulkan 1.3.
+//! Does nothing without the feature `vulkan`.
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("cargo::rerun-if-changed=shaders");
@@ -13,17 +13,17 @@ mod shaders {
     use std::path::Path;
     use std::{env, fs};
 
-    /// Extensions of files that are shader stages; `.glsl` files are included by them.
+    /// Extensions of shader stages; they include `.glsl` files.
     const STAGES: [(&str, shaderc::ShaderKind); 3] = [
         ("vert", shaderc::ShaderKind::Vertex),
         ("frag", shaderc::ShaderKind::Fragment),
         ("comp", shaderc::ShaderKind::Compute),
     ];
 
-    /// What stages include that are compiled once for every `source_NAME.glsl`.
+    /// Include name of the source, in stages that are compiled once for every `source_NAME.glsl`.
     const SOURCE: &str = "source.glsl";
 
-    /// Compiles everything in `shaders/` into the folder for what build scripts make.
+    /// Compiles everything in `shaders/` into the output folder of build scripts.
     pub fn compile_all() -> Result<(), Box<dyn std::error::Error>> {
         let out = env::var("OUT_DIR")?;
         let compiler = shaderc::Compiler::new()?;
@@ -59,7 +59,7 @@ mod shaders {
         Ok(())
     }
 
-    /// Settings of the compiler, where `source` is what [`SOURCE`] stands for.
+    /// Returns the settings of the compiler; `source` replaces [`SOURCE`].
     fn options(source: &str) -> Result<shaderc::CompileOptions<'static>, Box<dyn std::error::Error>> {
         let mut options = shaderc::CompileOptions::new()?;
         options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);

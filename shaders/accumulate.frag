@@ -1,10 +1,10 @@
 #version 460
-// Adds a sample of a picture, or samples that are added already, to those before them, by blending. A sample counts for its pixel and for the eight
-// around it. Alpha counts the samples that the mesh covers. Beside the picture is what its last row or column has.
+// Adds a sample of a picture, or a sum of samples, to a sum by blending. A sample has weight for its pixel and for the
+// eight neighbours. Alpha counts the samples that cover the pixel. Reads outside the picture are clamped to its edge.
 
 layout(set = 0, binding = 0) uniform sampler2D radiance;
 
-// `PixelWeights` of src/render/sampling.rs: of the pixels before, here, and behind.
+// `PixelWeights` of src/render/sampling.rs: weights of the previous pixel, of this one, and of the next.
 layout(push_constant) uniform Weights {
     vec3 across;
     vec3 down;

@@ -1,38 +1,14 @@
-// What every source of diffracted light is evaluated for: a pair of directions, and the part of the BRDF that does not depend on the
-// wavelength [Single 2014, B.12]. Directions are unit vectors away from the surface in the tangent frame (x = T, y = B, z = N).
-// The f64 twins are src/optics/geometry.rs and src/optics/brdf.rs.
+// Reflectance of the surface, and the pairs of directions that sources are evaluated for. The f64 twin is
+// src/optics/brdf.rs.
 
-const float PI = 3.14159265358979;
-
-// A cosine this small is within the rounding of an interpolated f32 direction: the direction counts as below the horizon,
-// where nothing is reflected. It also keeps G/w^2 from overflowing.
-const float HORIZON = 1e-6;
-
-struct Pair {
-    vec2 toward;      // -(u, v)
-    float w;          // |w|
-    float uv;         // |(u, v)|
-    float factor;     // 4 pi R G cos(theta_i) / w^2 [1/sr]; 0 below the horizon
-    float cos_half;   // between either direction and the half vector
-    float reflectance;
-};
-
-// How (u, v) changes over a pixel: a Gaussian in the pixel becomes the Gaussian in (u, v) of covariance J J^T, J = [dx dy], times its variance.
-// Zero for a point.
-struct Footprint {
-    vec2 dx; // of (u, v), from a pixel to the one on its right
-    vec2 dy; // to the one below
-};
-
-const Footprint POINT = Footprint(vec2(0.0), vec2(0.0));
-
-// The law by which the factor of a pair holds R. The Rust side is src/render/source/reflectance.rs.
-const int SPECTRAL = 0; // the factor holds 1, and sums over wavelengths hold R
-const int FRESNEL = 1;  // Fresnel's equations for a refractive index that no wavelength changes
-const int SCHLICK = 2;  // Schlick's approximation for one, as in the thesis
+// Law of R in the factor of a pair. The Rust side is src/render/source/reflectance.rs.
+const int SPECTRAL = 0; // the factor contains no R; sums over wavelengths do
+const int FRESNEL = 1;  // Fresnel's equations for a refractive index without dispersion
+const int SCHLICK = 2;  // Schlick's approximation of them, as in the thesis
 layout(constant_id = 31) const int REFLECTANCE_LAW = FRESNEL;
 
-// Fresnel's equations for unpolarised light from air onto a dielectric [Walter et al. 2007, eq. 22], with g - c = (n^2 - 1) / (g + c).
+// Returns R of a dielectric in air for unpolarised light by Fresnel's equations [Walter et al. 2007, eq. 22], with
+// g - c = (n^2 - 1) / (g + c).
 float fresnel(float index, float c) {
     float contrast = (index - 1.0) * (index + 1.0);
     float sum = sqrt(contrast + c * c) + c;
@@ -41,14 +17,14 @@ float fresnel(float index, float c) {
     return 0.5 * s * s * (1.0 + p * p);
 }
 
-// Schlick's approximation from the reflectance at normal incidence.
+// Returns Schlick's approximation of R from its value at normal incidence.
 float schlick(float normal_reflectance, float cosine) {
     float grazing = 1.0 - cosine;
     float grazing2 = grazing * grazing;
     return normal_reflectance + (1.0 - normal_reflectance) * grazing2 * grazing2 * grazing;
 }
 
-// R of a dielectric by the law.
+// Returns R of a dielectric by the selected law, or 1 for a spectral law.
 float dielectric(float index, float cosine) {
     if (REFLECTANCE_LAW == SPECTRAL) {
         return 1.0;
@@ -57,21 +33,4 @@ float dielectric(float index, float cosine) {
     return REFLECTANCE_LAW == FRESNEL ? fresnel(index, cosine) : schlick(root * root, cosine);
 }
 
-// Returns true if light arrives at the side that is seen, and leaves it.
-bool above_horizon(vec3 light, vec3 view) {
-    return light.z > HORIZON && view.z > HORIZON;
-}
-
-Pair pair_of(vec3 light, vec3 view, float index) {
-    Pair pair;
-    vec3 uvw = -light - view;
-    pair.toward = -uvw.xy;
-    pair.w = -uvw.z;
-    pair.uv = length(uvw.xy);
-    // 1 + light . view = |(u,v,w)|^2 / 2, which does not cancel near opposite grazing directions.
-    float one_plus_dot = 0.5 * dot(uvw, uvw);
-    pair.cos_half = min(0.5 * length(uvw), 1.0);
-    pair.reflectance = dielectric(index, pair.cos_half);
-    pair.factor = above_horizon(light, view) ? 4.0 * PI * pair.reflectance * one_plus_dot * one_plus_dot / (view.z * pair.w * pair.w) : 0.0;
-    return pair;
-}
+#include "pair.glsl"

@@ -1,13 +1,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// From the linear radiance of covered pixels to a display: exposure, tone or gamut, transfer. The mean of samples stands over the background by the
-// part of the samples that the mesh covers; what light does at an edge is linear, so the two are mixed before the transfer. The
-// background knows neither exposure nor tone.
+// Displays the linear radiance of covered pixels: exposure, tone mapping or gamut mapping, transfer function. A mean of
+// samples is blended with the background by its coverage, before the transfer function, because light mixes linearly at
+// an edge. The background is unaffected by exposure and tone.
 #include "displayed.glsl"
 
-layout(constant_id = 0) const bool MEAN = false; // of samples, else one of them, which covers all that is drawn
+layout(constant_id = 0) const bool MEAN = false; // true: mean of samples; false: one sample, in covered pixels
 
-// Of a sample, or summed over samples; then alpha is the number of samples that cover the pixel.
+// One sample, or a sum of samples whose alpha is the number of samples that cover the pixel.
 layout(set = 0, binding = 0) uniform sampler2D radiance;
 
 layout(location = 0) out vec4 code;

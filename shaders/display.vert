@@ -1,5 +1,5 @@
 #version 460
-// One triangle that covers the target, as far away as depth is cleared to.
+// Draws one triangle that covers the target at the clear depth.
 
 void main() {
     vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0;

@@ -1,10 +1,10 @@
-// How linear radiance is displayed: exposure, then tone or gamut. Its twin is `Shown` of src/render/frame.rs.
+// Display of linear radiance: exposure, then tone mapping or gamut mapping. Its twin is `Shown` of src/render/frame.rs.
 #include "color.glsl"
 
 layout(push_constant) uniform Display {
     vec3 background; // linear
     float exposure;  // in stops
-    float samples;   // in the sum
+    float samples;   // number in the sum
     uint neutral;    // 1 for the neutral tone, 0 for none
 } display;
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Answers queries of directions from the source that frames shade with. The Rust side is src/render/evaluator.rs.
+// Evaluates queries of directions with the source of frames. The Rust side is src/render/evaluator.rs.
 #include "brdf.glsl"
 #include "part.glsl"
 layout(push_constant) uniform Eval { Part part; uint count; };

@@ -1,4 +1,4 @@
-// The ellipse of (u, v) that a pixel averages over, along its axes.
+// Ellipse of (u, v) that a pixel averages over, by its axes.
 
 struct Ellipse {
     vec2 axis;   // unit vector along the longer axis
@@ -6,7 +6,7 @@ struct Ellipse {
     float shorter;
 };
 
-// Covariance of (u, v) under a footprint whose edges are `dx` and `dy`: uu, uv, vv.
+// Returns the covariance of (u, v) under a footprint: uu, uv, vv.
 vec3 covariance(Footprint footprint) {
     vec2 dx = footprint.dx, dy = footprint.dy;
     return vec3(dx.x * dx.x + dy.x * dy.x, dx.x * dx.y + dy.x * dy.y, dx.y * dx.y + dy.y * dy.y);
@@ -15,7 +15,7 @@ vec3 covariance(Footprint footprint) {
 Ellipse ellipse_of(vec3 c) {
     float mean = 0.5 * (c.x + c.z), difference = 0.5 * (c.x - c.z);
     float spread = sqrt(difference * difference + c.y * c.y);
-    // Both forms are along the longer axis; each is small where the other is not.
+    // Both forms are parallel to the longer axis; at most one of them is small.
     vec2 axis = difference > 0.0 ? vec2(spread + difference, c.y) : vec2(c.y, spread - difference);
     // A circle has no longer axis.
     axis *= inversesqrt(max(dot(axis, axis), 1e-30));
@@ -40,15 +40,15 @@ struct Levels {
     float blur; // of coherence
 };
 
-// Places on a line with Gaussian weights, symmetric about the middle: `Line` of src/filter/taps.rs.
+// Points on a line with Gaussian weights, symmetric about the middle: `Line` of src/filter/taps.rs.
 struct Line {
     float count;
-    float step; // distance between places
+    float step; // distance between points
     float fall; // the weight n steps from the middle is exp(-fall n^2) / norm
     float norm;
 };
 
-// Rows of taps whose weighted sum stands for the average over a footprint: `Taps` of src/filter/taps.rs.
+// Rows of taps whose weighted sum is the average over a footprint: `Taps` of src/filter/taps.rs.
 struct Taps {
     Levels levels;
     vec2 axis;    // unit vector along the longer axis
@@ -68,8 +68,8 @@ struct Row {
     float coarser; // 1 if the row reads the next coarser level
 };
 
-// Spreads at most `most` places over the standard deviation `deviation`, where each averages over the standard deviation `tap`. The variance of
-// the places is that of the line.
+// Spreads at most `most` points over the standard deviation `deviation`, each of which averages over the standard
+// deviation `tap`. The weighted variance of the points is that of the line.
 Line line_of(float deviation, float tap, float most) {
     if (deviation <= ROUND * tap) {
         return Line(1.0, 0.0, 0.0, 1.0);
@@ -86,7 +86,7 @@ Line line_of(float deviation, float tap, float most) {
     return Line(count, deviation * sqrt(norm / moment), fall, norm);
 }
 
-// For a footprint of which the variance `own` is left to the shorter axis.
+// Returns the taps of a footprint whose variance along the shorter axis is `own`.
 Taps taps_of(Ellipse ellipse, float own, Levels levels) {
     float rest = max(own - levels.read, 0.0);
     Taps taps = Taps(levels, ellipse.axis, ellipse.longer, 0.0, Line(1.0, 0.0, 0.0, 1.0), 1);
@@ -96,7 +96,7 @@ Taps taps_of(Ellipse ellipse, float own, Levels levels) {
         float left = s * (1.0 - BEND * s) / (1.0 + s - BEND * s * s);
         taps.share = s * s * (1.0 + BEND - BEND * s);
         if (s > 0.0) {
-            // A row of the finer level on either side, and one of the coarser level in the middle.
+            // A row of the finer level on either side, and a row of the coarser level in the middle.
             taps.aside = Line(2.0, 2.0 * sqrt(left * (levels.next - levels.read)), 0.0, 2.0);
             taps.rows = 3;
         }
@@ -107,7 +107,7 @@ Taps taps_of(Ellipse ellipse, float own, Levels levels) {
     return taps;
 }
 
-// Row number `number`. Rows of two levels have the variance of the longer axis together.
+// Returns row number `number`. With two levels, all rows together have the variance of the longer axis.
 Row row_of(Taps taps, int number) {
     bool coarser = taps.share > 0.0 && number == taps.rows - 1;
     float read = coarser ? taps.levels.next : taps.levels.read;
@@ -127,19 +127,19 @@ Row row_of(Taps taps, int number) {
     return row;
 }
 
-// The least variance that a tap has to average over, so that MOST_OF_ROW taps suffice.
+// Returns the smallest variance of a tap for which MOST_OF_ROW taps suffice.
 float least_own(Ellipse ellipse, float blur) {
     float part = 2.0 * LONG_REACH / (KEPT * SPACING * MOST_OF_ROW);
     return max(ellipse.longer * (part * part) - blur, 0.0);
 }
 
-// The level whose variance is at most `ratio` times that of the finest, where each level has four times the one before. log2(1) may be rounded
-// to less than 0.
+// Returns the level whose variance is at most `ratio` times that of the finest; each level has four times the variance
+// of the previous one. The bound handles log2(1) rounded below 0.
 float level_of_ratio(float ratio) {
     return max(floor(0.5 * log2(ratio)), 0.0);
 }
 
-// The normal distribution of covariance `c` at `d`.
+// Returns the normal distribution of covariance `c` at `d`.
 float normal_density(vec3 c, vec2 d) {
     float det = c.x * c.z - c.y * c.y;
     float r2 = (c.z * d.x * d.x - 2.0 * c.y * d.x * d.y + c.x * d.y * d.y) / det;

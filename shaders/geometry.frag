@@ -1,21 +1,22 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Writes what a covered pixel has to be shaded with: directions in its tangent frame, the pigment, and footprints. Shading follows in a
-// pass of its own, pixel beside pixel, whatever the size of the triangles; a reference shades the very same directions.
+// Writes the inputs of shading for a covered pixel: directions in its tangent frame, the pigment, and footprints.
+// Shading follows in a separate pass over neighbouring pixels, independent of the size of triangles; a reference can
+// shade the very same directions.
 #include "frame.glsl"
 
 const float PI = 3.14159265358979;
 
 layout(set = 0, binding = 1) uniform sampler2D pigment;
 
-layout(constant_id = 0) const bool TEXTURED = true;    // whether the pigment is of a texture
-layout(constant_id = 1) const bool FOOTPRINTS = true;  // whether footprints are asked for
-layout(constant_id = 2) const bool SHADOWS = false;    // whether the light casts shadows
-layout(constant_id = 3) const bool MIRRORED = false;   // whether the light is drawn from surroundings, whose radiance in the mirrored direction is asked for
-layout(constant_id = 4) const bool LAMPS = false;      // whether lamps are among the lights, and how bright they are is asked for
-layout(constant_id = 5) const int GROOVES = 0;         // how the patch lies in the tangent frame
+layout(constant_id = 0) const bool TEXTURED = true;    // true if a texture gives the pigment
+layout(constant_id = 1) const bool FOOTPRINTS = true;  // true if footprints are written
+layout(constant_id = 2) const bool SHADOWS = false;    // true if the light casts shadows
+layout(constant_id = 3) const bool MIRRORED = false;   // true: light of the surroundings, mirrored radiance written
+layout(constant_id = 4) const bool LAMPS = false;      // true if lamps are among the lights; their falloff is written
+layout(constant_id = 5) const int GROOVES = 0;         // orientation of the patch in the tangent frame
 
-// Values of `GROOVES`; src/render/grooves.rs says more.
+// Values of `GROOVES`; see src/render/grooves.rs.
 const int TURNED = 1, RADIAL = 2, MAPPED = 3;
 
 layout(set = 0, binding = 8) uniform sampler2D groove_map; // cosine and sine over (u, v)
@@ -24,7 +25,7 @@ layout(set = 0, binding = 6) uniform sampler2D shadow;     // depth from the lig
 
 #include "surroundings.glsl"
 
-// As `surface.vert` writes them; `view` and `light` are no unit vectors.
+// Outputs of `surface.vert`; `view` and `light` are not normalised.
 layout(location = 0) in vec3 view;
 layout(location = 1) in vec2 pigment_uv;
 layout(location = 2) in vec3 light;
@@ -33,18 +34,19 @@ layout(location = 4) in vec3 world_normal;
 layout(location = 5) in vec3 world_tangent;
 layout(location = 6) in vec3 world_bitangent;
 
-// As `pixel.glsl` reads them. The attachments of a pass have no gaps, and images that a picture does not have are dropped.
+// Inputs of `pixel.glsl`. Attachments of a pass must be contiguous; images that a picture does not have are omitted.
 layout(location = 0) out vec4 directions;
 layout(location = 1) out vec4 image_1; // footprint, or albedo
 layout(location = 2) out vec4 image_2; // albedo,    or mirrored radiance
 layout(location = 3) out vec4 image_3; // mirrored radiance
 
-// What a fragment needs of its triangle. Derivatives are undefined where neighbours take another branch, so all of them are taken before any.
+// Data of a fragment's triangle. Derivatives are undefined if neighbours take another branch, so that all of them are
+// taken before any branch.
 struct Face {
     vec3 normal; // of the triangle, toward the viewer
-    bool back;   // whether the back of the surface is seen
-    vec3 mirrored; // direction into which the surface mirrors the viewer, in the world
-    float spread;  // variance of it over the part of a pixel that shading averages over, along each axis across it
+    bool back;   // true if the back of the surface is seen
+    vec3 mirrored; // mirrored direction of the viewer, in world space
+    float spread;  // its variance over the filter that shading averages over, per axis
     vec2 turn;     // direction of the patch's x in the tangent frame
 };
 
@@ -71,8 +73,9 @@ Face face_seen() {
     return Face(normal, dot(world_normal, normal) < 0.0, mirrored, spread, groove_turn());
 }
 
-// Takes `direction`, its products with the interpolated T, B and N, into the orthonormal frame of the unit vector N, the T across it, and B. On the
-// snake, whose normals differ by up to 0.4 across a triangle, the products alone err by 5e-3 at the median.
+// Transforms `direction`, its products with the interpolated T, B and N, to the orthonormal frame of N, T orthogonal to
+// it, and B. On the snake, whose normals differ by up to 0.4 across a triangle, the median error of the products alone
+// is 5e-3.
 vec3 orthonormal(vec3 direction) {
     const float DEGENERATE = 1e-3; // opposite tangents cancel
     float along_normal = length(world_normal);
@@ -91,7 +94,8 @@ vec3 orthonormal(vec3 direction) {
     return vec3(x, y, z);
 }
 
-// Meshes are seen from both sides: where the back of a surface is seen, as of a mesh that is wound inward, its frame is turned about T.
+// Returns `direction` in the frame of the patch. If the back of a surface is seen, as of a mesh with inward winding,
+// the frame is turned about T.
 vec3 seen(Face face, vec3 direction) {
     direction = orthonormal(direction);
     if (GROOVES != 0) {
@@ -100,7 +104,7 @@ vec3 seen(Face face, vec3 direction) {
     return face.back ? vec3(direction.x, -direction.yz) : direction;
 }
 
-// Stereographic from -N. Near there the direction is far below the horizon, and which one it is does not matter.
+// Projects stereographically from -N. Close to -N the direction is far below the horizon and its value does not matter.
 vec2 projected(vec3 direction) {
     const float LEAST = 0.1;
     float size = length(direction);
@@ -108,8 +112,8 @@ vec2 projected(vec3 direction) {
     return depth > LEAST * size ? direction.xy / depth : vec2(1.0 / LEAST, 0.0);
 }
 
-// To the viewer. Where the surface turns away within the pixel, the cosine, by which the BRDF divides, is no smaller than it is over the part of
-// the pixel that shading averages over: at its very edge a single sample would outshine all others.
+// Returns the unit vector to the viewer. Its cosine is bounded from below by its change over the filter that shading
+// averages over: the BRDF divides by the cosine, and a single sample at a silhouette would outshine all others.
 vec3 to_viewer(Face face) {
     vec3 direction = normalize(seen(face, view));
     float spread = frame.at.footprint * length(vec2(dFdxFine(direction.z), dFdyFine(direction.z)));
@@ -121,12 +125,13 @@ bool is_lamp() {
     return LAMPS && frame.emitter.w != FAR_AWAY;
 }
 
-// From here to the light; of a lamp not a unit vector.
+// Returns a vector to the light; for a lamp it is not normalised.
 vec3 toward() {
     return is_lamp() ? frame.light.xyz - world : frame.light.xyz;
 }
 
-// How bright the light is here, beside how bright it is at distance 1 straight before it: `LampPoint::falloff` of src/scene/incident.rs.
+// Returns the brightness relative to that at distance 1 on the axis of the lamp: `LampPoint::falloff` of
+// src/scene/incident.rs.
 float falloff() {
     vec3 from = -toward();
     vec4 emitter = frame.emitter;
@@ -140,54 +145,55 @@ float falloff() {
     return max(dot(emitter.xyz, from), 0.0) * pow(dot(from, from), -1.5);
 }
 
-// Whether something stands between the surface and the light, by the light's depth map. The depth of a plane that the light grazes changes
-// within a texel of the map: that much is left to it, and a little for rounding.
+// Returns true if the light's depth map has a surface nearer to the light. The depth bias covers the depth change of
+// the surface within a texel of the map, and rounding.
 bool in_shadow(Face face) {
-    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // the diagonal of a texel, either way, and a little
+    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // TEXEL: the diagonal, with a margin
     float cosine = abs(dot(face.normal, normalize(toward())));
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
     mat4 clip_from_world = frame.shadow_from_world;
     vec4 clip = clip_from_world * vec4(world, 1.0);
     vec2 size = vec2(textureSize(shadow, 0));
-    // Of parallel light, whose clip space is two units wide and one deep.
+    // For parallel light the clip space is two units wide and one deep.
     float bias = ROUNDING + slope * TEXEL / size.x;
     if (is_lamp()) {
         if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) {
             return false; // not on the map
         }
-        // How fast the distance along the axis of the map changes on the surface, over that distance, by the place on the map.
+        // Relative change of the distance along the axis of the map on the surface, per distance on the map.
         vec3 axis = vec3(clip_from_world[0].w, clip_from_world[1].w, clip_from_world[2].w);
         float along = dot(face.normal, axis);
         slope = sqrt(max(1.0 - along * along, 0.0)) * clip.w / (max(cosine, 1e-6) * length(toward()));
         slope = min(slope, STEEPEST);
-        // Depth is A + B/distance, and B what the lamp itself has before the division.
+        // Depth is A + B/distance; B is z of the lamp's position before the division.
         float reach = (clip_from_world * vec4(frame.light.xyz, 1.0)).z;
         float texel = 2.0 * clip.w / (size.x * length(vec3(clip_from_world[0].x, clip_from_world[1].x, clip_from_world[2].x)));
         bias = abs(reach) / (clip.w * clip.w) * (ROUNDING * clip.w + slope * TEXEL * texel);
     }
     vec3 place = clip.xyz / clip.w;
     vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
-    // Behind the end of the map nothing is in shadow: what casts shadows ends before.
+    // Beyond the far end of the map nothing is in shadow: all casters are nearer.
     return texelFetch(shadow, ivec2(texel), 0).r < min(place.z - bias, 1.0);
 }
 
-// Radiance of the surroundings from the mirrored direction, averaged over the pixel and over the specular order's own spread. Nothing where
-// the direction leads into the surface.
+// Returns the radiance of the surroundings in the mirrored direction, averaged over the pixel and over the spread of
+// the specular order; 0 if the direction points into the surface.
 vec3 mirrored_radiance(Face face) {
     if (dot(face.mirrored, face.normal) <= 0.0) {
         return vec3(0.0);
     }
-    // A Gaussian of (u, v) is one of directions, wider by the cosine along the plane of incidence.
+    // A Gaussian in (u, v) is one of directions, wider by 1/cosine in the plane of incidence.
     float cosine = max(dot(face.mirrored, normalize(world_normal)) * (face.back ? -1.0 : 1.0), 0.1);
-    return radiance_around(face.mirrored, sqrt(face.spread + frame.surroundings.w / cosine));
+    return radiance_toward(face.mirrored, sqrt(face.spread + frame.surroundings.w / cosine));
 }
 
-// Light that does not reach the surface is stored as light from below.
+// Returns the projected direction to the light; in shadow, a direction from below.
 vec2 projected_light(Face face) {
     return SHADOWS && in_shadow(face) ? projected(vec3(0.0, 0.0, -1.0)) : projected(seen(face, light));
 }
 
-// The footprint whose covariance is that of `change` and that of a light whose directions vary by `variance` across it, seen in (u, v).
+// Returns the footprint whose covariance is the sum of that of `change` and that of a light with a `variance` of
+// directions, in (u, v).
 vec4 widened(vec4 change, float variance, vec2 to_light) {
     float uu = change.x * change.x + change.z * change.z + variance * (1.0 - to_light.x * to_light.x);
     float uv = change.x * change.y + change.z * change.w - variance * to_light.x * to_light.y;
@@ -197,9 +203,9 @@ vec4 widened(vec4 change, float variance, vec2 to_light) {
     return vec4(u, v, 0.0, sqrt(max(vv - v * v, 0.0)));
 }
 
-// How (u, v) changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy. Differences within the triangle, also beside its edges, where a
-// neighbour that it does not cover is extrapolated. u and v of unit vectors are within -2 ... 2, so that no difference exceeds 4;
-// extrapolated beyond the viewer there may be no number, and then there is no footprint.
+// Returns the Jacobian of (u, v): du/dx, dv/dx, du/dy, dv/dy per pixel. Differences are within the triangle; beyond its
+// edges it is extrapolated. u and v of unit vectors are within -2 ... 2, so that no difference exceeds 4. Extrapolation
+// behind the viewer may give NaN or infinity, and then the footprint is zero.
 vec4 footprint(Face face) {
     vec3 to_light = normalize(seen(face, light));
     vec2 uv = -(to_light.xy + normalize(seen(face, view)).xy);

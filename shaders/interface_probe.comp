@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Reads every field of the shared blocks and writes it out in order: the tests compare with what Rust wrote.
+// Reads every field of the shared blocks and writes it out in order, for tests that compare it with the values written
+// by Rust.
 #include "frame.glsl"
 #include "brdf.glsl"
 #include "reads.glsl"

@@ -1,23 +1,23 @@
-// Reads an array texture between its texels. The f64 twin, with the errors, is src/spectra/amplitude/kernel.rs.
+// Interpolation in an array texture. The f64 twin, with error bounds, is src/spectra/amplitude/kernel.rs.
 
 layout(constant_id = 40) const bool CUBIC_X = false; // cubic B-spline along x, else linear
 layout(constant_id = 41) const bool CUBIC_Y = false; // the same along y
-// Whether the shader weighs each texel. A sampler makes fewer reads, and rounds its weights to 1/256.
+// True if the shader weights each texel. Sampler reads are fewer, but round the weights to 1/256.
 layout(constant_id = 42) const bool WEIGHS_TEXELS = false;
 
-// Place and weights of a read, the same for all layers.
+// Position and weights of a read, the same for all layers.
 struct Read {
     // By a sampler:
     vec2 near;      // texture coordinates of its reads
     vec2 far;
-    vec2 far_share; // weight of `far` along each axis where the kernel is cubic
+    vec2 far_share; // weight of `far` along each axis with a cubic kernel
     // By texels:
     ivec2 first;    // the first of four along each axis
     vec4 across;    // weights along x
     vec4 up;        // and y
 };
 
-// Weights of the four texels around a place at `t` in 0 ... 1 between the middle two (cubic B-spline).
+// Returns the weights of the four texels around a position, `t` from 0 to 1 between the middle two (cubic B-spline).
 vec4 spline_weights(float t) {
     float t2 = t * t, t3 = t2 * t;
     float w0 = (1.0 - 3.0 * t + 3.0 * t2 - t3) / 6.0;
@@ -26,15 +26,16 @@ vec4 spline_weights(float t) {
     return vec4(w0, w1, 1.0 - w0 - w1 - w3, w3);
 }
 
-// Cubic B-spline along an axis from two linear samples (Sigg & Hadwiger, GPU Gems 2, chapter 20): each stands between two
-// texels where the sampler's linear weights give the ratio of the spline's. x, y: the samples [texels]; z: weight of y.
+// Returns a cubic B-spline along an axis as two linear samples (Sigg & Hadwiger, GPU Gems 2, chapter 20): each lies
+// between two texels where the sampler's linear weights have the ratio of the spline's. x, y: positions of the samples
+// [texels]; z: weight of y.
 vec3 spline_samples(float texel) {
     float whole = floor(texel - 0.5);
     vec4 w = spline_weights(texel - 0.5 - whole);
     return vec3(whole - 0.5 + w.y / (w.x + w.y), whole + 1.5 + w.w / (w.z + w.w), w.z + w.w);
 }
 
-// The read at `place` [texels from the corner] of a level of so many texels.
+// Returns the read at `place` [texels from the corner] of a level of `size` texels.
 Read read_at(vec2 place, vec2 size) {
     Read read;
     if (WEIGHS_TEXELS) {
@@ -62,7 +63,7 @@ vec4 sampled_layer(sampler2DArray texels, Read read, int layer, float level) {
     return CUBIC_Y ? mix(near, sampled_row(texels, read, read.far.y, layer, level), read.far_share.y) : near;
 }
 
-// Texels beyond the edge are those at the edge.
+// Interpolates by texel weights; texels beyond the edge are clamped to it.
 vec4 weighed_layer(sampler2DArray texels, Read read, int layer, int level) {
     ivec2 last = textureSize(texels, level).xy - 1;
     const ivec2 BEGIN = ivec2(CUBIC_X ? 0 : 1, CUBIC_Y ? 0 : 1), END = ivec2(CUBIC_X ? 4 : 3, CUBIC_Y ? 4 : 3);
@@ -78,7 +79,7 @@ vec4 weighed_layer(sampler2DArray texels, Read read, int layer, int level) {
     return sum;
 }
 
-// `level` is a whole number.
+// Interpolates layer `layer` of mip level `level`, a whole number.
 vec4 read_layer(sampler2DArray texels, Read read, int layer, float level) {
     if (WEIGHS_TEXELS) {
         return weighed_layer(texels, read, layer, int(level));

@@ -1,10 +1,11 @@
-// Wavelengths of colours through n x m copies of the patch: they stand at the orders and between them. The f64 twin, with the
-// reasons, is src/optics/orders.rs. SHORTEST and LONGEST stand in reflectance.glsl. `nodes` holds the colour functions as a density over wavenumbers, 1/LONGEST to 1/SHORTEST.
+// Wavelengths of colours of n x m copies of the patch: at the orders and between them. The f64 twin, with the
+// derivation, is src/optics/orders.rs. SHORTEST and LONGEST are defined in reflectance.glsl. `nodes` holds the colour
+// functions as densities over wavenumber, 1/LONGEST to 1/SHORTEST.
 
 struct Copies {
     vec2 count;       // n, m
     vec2 period;      // T_x, T_y [um]
-    float colour_lag; // lag beyond which the colour functions have little [um]
+    float colour_lag; // lag beyond which the colour functions are negligible [um]
     float tolerance;  // of the sum over wavelengths
 };
 
@@ -16,7 +17,7 @@ struct Sampling {
     float crossed;  // of the other axis
     float n;        // copies along the sharper axis
     float m;        // along the other
-    bool every;     // every part under the factor itself; else the order and odd parts, or the order alone
+    bool every;     // all parts with the exact factor; else order and odd parts, or order alone
     int parts;      // of a period
     int per_period; // wavelengths of a period
     float order;    // weight of the order [periods]
@@ -40,21 +41,21 @@ Sampling sampling(Copies copies, vec2 uv) {
     return s;
 }
 
-// Number of the first wavelength at `place` periods or beyond.
+// Returns the number of the first wavelength at `place` periods or beyond.
 int first_from(Sampling s, float place) {
     float whole = floor(place), rest = (place - whole) * float(s.parts);
     float within = s.every ? ceil(rest) : s.parts == 0 ? ceil(place - whole) : rest == 0.0 ? 0.0 : ceil(0.5 * (rest + 1.0));
     return int(whole) * s.per_period + int(within);
 }
 
-// sin(pi x) for |x| <= 1/2, to rounding relative to itself: what devices call sin need not be exact where it is small, and
-// orders are where two small ones are divided.
+// Returns sin(pi x) for |x| <= 1/2, to relative rounding. The sine of devices may be inexact for small arguments, and
+// orders are quotients of two small ones.
 float sin_pi(float x) {
     float t = x * x;
     return x * (3.14159265 + t * (-5.16771278 + t * (2.55016404 + t * (-0.599264529 + t * (0.0821458866 + t * -0.00737043095)))));
 }
 
-// |S|^2/count^2 at a phase in periods: 1 at the orders.
+// Returns |S|^2/count^2 at a phase in periods: 1 at the orders.
 float periodic_factor(float count, float phase) {
     float away = phase - round(phase); // exact
     float turns = count * away;
@@ -62,23 +63,24 @@ float periodic_factor(float count, float phase) {
     return abs(turns) < 1e-4 ? 1.0 : ratio * ratio;
 }
 
-// Numbers of the wavelengths that are seen, the first and the one behind the last.
+// Returns the range of the visible wavelengths: the first number and the one after the last.
 ivec2 seen_orders(Sampling s) {
     return ivec2(first_from(s, s.periods / LONGEST), first_from(s, s.periods / SHORTEST));
 }
 
-// Wavenumber of a wavelength [1/um], and what the response of one patch weighs there [periods], both factors included.
+// Returns the wavenumber of a wavelength [1/um], and the weight of the response of one patch there [periods], with both
+// factors.
 vec2 order_at(Sampling s, int number) {
     int period = number / s.per_period, index = number - period * s.per_period;
     float share = index == 0 ? 0.0 : float(s.every ? index : 2 * index - 1) / float(s.parts);
     float wavenumber = (float(period) + share) / s.periods;
-    // Between the orders the sharp factor has its own value, or at odd parts that of its envelope.
+    // Between the orders the factor of the sharper axis is exact, or at odd parts replaced by its envelope.
     float envelope = s.n * sin_pi(min(share, 1.0 - share));
     float between = (s.every ? periodic_factor(s.n, share) : 1.0 / (envelope * envelope)) / float(s.parts);
     return vec2(wavenumber, (index == 0 ? s.order : between) * periodic_factor(s.m, wavenumber * s.crossed));
 }
 
-// XYZ per unit of wavenumber [um].
+// Returns XYZ per unit of wavenumber [um].
 vec3 colour_density(float wavenumber) {
     float columns = float(textureSize(nodes, 0).x);
     float column = (wavenumber - 1.0 / LONGEST) / (1.0 / SHORTEST - 1.0 / LONGEST) * (columns - 1.0) + 0.5;

@@ -1,4 +1,4 @@
-// Which wavelengths of a sum an invocation adds: every `step`th from `first`. The Rust side is src/render/source/part.rs.
+// Wavelengths that an invocation sums: every `step`th from `first`. The Rust side is src/render/source/part.rs.
 struct Part {
     int first;
     int step;

@@ -1,7 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Reads the source's texture as fast as the device can, with no more arithmetic than it takes to keep the compiler from leaving a read
-// out.
+// Measures the texture read rate of the source, with just enough arithmetic to keep the compiler from removing reads.
 #include "brdf.glsl"
 #include "part.glsl"
 const Part part = Part(0, 1);
@@ -12,7 +11,7 @@ layout(location = 0) out vec4 sum;
 
 layout(push_constant) uniform Probe {
     int samples;
-    int scattered; // 1: every pixel begins at a place of its own
+    int scattered; // 1: every pixel begins at a random place
 } probe;
 
 void main() {

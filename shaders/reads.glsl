@@ -1,7 +1,7 @@
-// One bilinear sample of an array texture after the other, walking outward and through the layers as shading does: neighbouring pixels read
-// neighbours, or each pixel reads somewhere else.
+// Sums bilinear samples of an array texture, walking outward and through the layers as shading does. Neighbouring
+// pixels read neighbouring texels, or each pixel begins at a random place.
 
-// Multiplicative hashing (Knuth): spreads neighbours over the whole range.
+// Hashes a pixel to a random place by multiplication (Knuth); neighbours are spread over the whole range.
 vec2 elsewhere(uvec2 pixel) {
     uint h = (pixel.x * 2654435761u) ^ (pixel.y * 2246822519u);
     h = (h ^ (h >> 15)) * 3266489917u;

@@ -1,5 +1,5 @@
-// What the surface reflects where that depends on the wavelength: R over the cosine at the half vector and the wavenumber. Else the factor of a
-// pair holds it. The Rust side is src/render/source/reflectance.rs.
+// Reflectance that depends on the wavelength: R over the cosine at the half vector and the wavenumber. Other
+// reflectances are in the factor of a pair. The Rust side is src/render/source/reflectance.rs.
 
 const float SHORTEST = 0.380; // of the visible range [um]
 const float LONGEST = 0.780;

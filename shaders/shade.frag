@@ -1,31 +1,31 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Shades a pixel under one light: what the source says that the surface diffracts, and the pigment below what it reflects. Blending adds it to what
-// the pixel has from other lights.
+// Shades a pixel under one light: the diffracted light of the source, and the pigment below the reflecting surface.
+// Blending adds the result to that of other lights.
 #include "frame.glsl"
 #include "brdf.glsl"
 #include "part.glsl"
 layout(push_constant) uniform Shade {
     Part part;
-    float coverage; // 1, or 0 where the pass adds to a sample that counts already
-    vec3 white;     // of the illuminant, linear sRGB
+    float coverage; // 1, or 0 if this pass does not count the covered pixels
+    vec3 white;     // white of the illuminant, linear sRGB
 };
 #include "reads.glsl"
 #include "source.glsl"
 #include "color.glsl"
 #include "pixel.glsl"
 
-layout(constant_id = 0) const bool MARKED = true;      // whether directions tell what is covered
-layout(constant_id = 1) const bool OWN_REFLECTANCE = false; // whether the source holds R or a part of it, so that the pair does not know what the surface keeps from the pigment
-layout(constant_id = 2) const float NORMAL_OF_PIGMENT = 0.0; // R0 of what the surface keeps from the pigment, where the source holds R
+layout(constant_id = 0) const bool MARKED = true;      // true if uncovered pixels have to be skipped
+layout(constant_id = 1) const bool OWN_REFLECTANCE = false; // true if the source already contains Fresnel's R
+layout(constant_id = 2) const float NORMAL_OF_PIGMENT = 0.0; // R0 that attenuates the pigment if the source contains R
 
-layout(constant_id = 3) const bool MIRRORED = false; // whether the light is drawn from surroundings, and their specular order is read apart
+layout(constant_id = 3) const bool MIRRORED = false; // true: light of the surroundings, separate specular order
 
-layout(constant_id = 4) const bool LAMPS = false;    // whether lights differ in brightness from pixel to pixel
+layout(constant_id = 4) const bool LAMPS = false;    // true if the falloff of lights differs between pixels
 
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
-// What comes from the light.
+// Returns the radiance due to the light.
 vec3 of_light(ivec2 pixel, vec3 to_light, vec3 to_view) {
     Pair pair = pair_of(to_light, to_view, source.index);
     Footprint footprint = POINT;
@@ -43,7 +43,7 @@ vec3 of_light(ivec2 pixel, vec3 to_light, vec3 to_view) {
     return above_horizon(to_light, to_view) ? (diffracted + pigmented) * (frame.irradiance.rgb * (PI * falloff)) : vec3(0.0);
 }
 
-// Of the light from all around, the specular order sends on what comes from the mirrored direction.
+// Returns the reflection of the surroundings by the specular order, from their radiance in the mirrored direction.
 vec3 of_surroundings(ivec2 pixel, vec3 to_view) {
     if (!MIRRORED || to_view.z <= HORIZON) {
         return vec3(0.0);

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Draws the mesh as the light sees it: depth alone.
+// Draws the depth of the mesh from the light.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;

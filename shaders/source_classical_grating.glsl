@@ -1,12 +1,12 @@
-// What real-time shaders of compact discs do instead (Stam, in GPU Gems, chapter 8): the surface as a grating of one period, the
-// grating equation u = m lambda/d solved for the wavelength of each order, and that wavelength's colour. A baseline without data to compare
-// with. Its twin is src/render/source/classical_grating.rs.
+// Classical real-time shader of compact discs (Stam, in GPU Gems, chapter 8): the surface is a grating of one period,
+// the grating equation u = m lambda/d is solved for the wavelength of each order, and the colours of these wavelengths
+// are summed. Baseline without data. Its twin is src/render/source/classical_grating.rs.
 
 layout(set = 1, binding = 0, std140) uniform ClassicalGrating {
     float index;              // refractive index
     float period;             // [um]
     float strength;           // radiance of the first order under a light of irradiance 1
-    vec2 axis;                // along which the heights repeat, in the tangent plane
+    vec2 axis;                // direction of the period, in the tangent plane
 } source;
 
 const int ORDERS = 8;
@@ -35,17 +35,17 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return xyz * source.strength;
 }
 
-// Orders have colours and no single wavelength; nobody asks.
+// Never used: the orders have colours only.
 float source_spectral(Pair pair, float wavenumber) {
     return 0.0;
 }
 
-// It reads nothing.
+// There is no texture.
 vec4 source_reads(vec2 pixel, bool scattered, int samples) {
     return vec4(0.0);
 }
 
-// The specular order is no part of its own here.
+// There is no separate specular order.
 vec3 source_specular(Pair pair, Footprint footprint) {
     return vec3(0.0);
 }

@@ -1,5 +1,5 @@
-// The finite grating: n x m copies of the patch. The response of one copy is read from its spectra and multiplied by the periodic
-// factors; wavelengths stand at the orders and between them. Its twin is src/render/source/grating.rs.
+// Finite grating of n x m copies of the patch. The response of one copy is read from its spectra and multiplied by the
+// periodic factors; wavelengths lie at the orders and between them. Its twin is src/render/source/grating.rs.
 #include "spectra.glsl"
 #include "orders.glsl"
 
@@ -9,7 +9,7 @@ layout(set = 1, binding = 4, std140) uniform Grating {
 
 const bool SOURCE_READS_FOOTPRINT = false;
 
-// XYZ of f cos(theta_i) [1/sr].
+// Returns XYZ of f cos(theta_i) [1/sr].
 vec3 source_xyz(Pair pair, Footprint footprint) {
     Ray ray = ray_of(pair);
     Sampling s = sampling(grating.copies, ray.toward);
@@ -28,7 +28,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return cosine_weighted(pair, xyz / s.periods);
 }
 
-// Of one copy: its periodic factor is multiplied in f64, where it is stable at the orders however sharp they are.
+// Returns the value of one copy; its periodic factor is multiplied in f64, which resolves orders of any sharpness.
 float source_spectral(Pair pair, float wavenumber) {
     return cosine_weighted_at(pair, wavenumber);
 }
@@ -37,7 +37,7 @@ vec4 source_reads(vec2 pixel, bool scattered, int samples) {
     return reads_of(layers, pixel, scattered, samples);
 }
 
-// The specular order is no part of its own here.
+// There is no separate specular order.
 vec3 source_specular(Pair pair, Footprint footprint) {
     return vec3(0.0);
 }

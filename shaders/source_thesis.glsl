@@ -1,6 +1,7 @@
-// The thesis' own sum [Single 2014]: for each wavelength and each term of the Taylor series, the Fourier series of the endless surface at
-// the 3 x 3 bins nearest to a frequency, weighted by the spectrum of the window. A baseline to compare with. Kinder than the original where
-// that does not change the sum: two terms share a texel, and weights are made once a wavelength. Its twin is src/render/source/thesis.rs.
+// Sum of the thesis [Single 2014] as a baseline: for each wavelength and each term of the Taylor series, the Fourier
+// series of the infinite periodic surface at the 3 x 3 bins nearest to a frequency, weighted by the spectrum of the
+// window. Two optimisations leave the sum unchanged: two terms share a texel, and weights are computed once per
+// wavelength. Its twin is src/render/source/thesis.rs.
 
 #define REFLECTANCE_BINDING 3
 #include "reflectance.glsl"
@@ -14,7 +15,7 @@ layout(set = 1, binding = 0, std140) uniform Thesis {
     int wavelengths;           // texels of `nodes`
     vec2 bins_per_frequency;   // T_x, T_y [um]
     vec2 origin;               // bin of f = 0
-    vec2 band;                 // largest |f_x|, |f_y| that holds anything [1/um]
+    vec2 band;                 // largest |f_x|, |f_y| in the series [1/um]
 } source;
 
 // RGBA = Re, Im of term 2p, Re, Im of term 2p + 1; layer p.
@@ -23,17 +24,17 @@ layout(set = 1, binding = 1) uniform sampler2DArray series;
 // XYZ weight and wavenumber [1/um], the wavenumber growing.
 layout(set = 1, binding = 2) uniform sampler2D nodes;
 
-// c_2p P_2p + c_2p+1 P_2p+1 of a pair of terms.
+// Returns c_2p P_2p + c_2p+1 P_2p+1 of a pair of terms.
 vec2 sum_of_terms(vec4 c, vec4 s) {
     return vec2(c.x * s.x - c.y * s.y, c.x * s.y + c.y * s.x) + vec2(c.z * s.z - c.w * s.w, c.z * s.w + c.w * s.z);
 }
 
-// |P|^2 relative to the flat mirror's peak.
+// Returns |P|^2 relative to the peak of a flat mirror.
 float power_of_taps(vec2 toward, float conjugate, float w, float wavenumber) {
     vec2 place = toward * wavenumber * source.bins_per_frequency; // bins
     vec2 nearest = floor(place + 0.5);
     ivec2 middle = ivec2(nearest + source.origin);
-    // The window's spectrum, exp(-2 pi^2 sigma^2 f^2), at the bins on either side and in the middle.
+    // Spectrum of the window, exp(-2 pi^2 sigma^2 f^2), at the middle bin and its neighbours.
     vec2 width = 2.0 * PI * PI * source.sigma * source.sigma / (source.bins_per_frequency * source.bins_per_frequency);
     vec2 weights[3];
     for (int tap = 0; tap < 3; ++tap) {
@@ -60,7 +61,7 @@ float power_of_taps(vec2 toward, float conjugate, float w, float wavenumber) {
 
 const bool SOURCE_READS_FOOTPRINT = false;
 
-// q^2 |P|^2 [1/um^2].
+// Returns q^2 |P|^2 [1/um^2].
 float density_at(Pair pair, float wavenumber) {
     float conjugate = pair.toward.x < 0.0 ? -1.0 : 1.0; // the series holds f_x >= 0
     float reflected = reflectance_at(pair, wavenumber);
@@ -95,7 +96,7 @@ vec4 source_reads(vec2 pixel, bool scattered, int samples) {
     return reads_of(series, pixel, scattered, samples);
 }
 
-// The specular order is no part of its own here.
+// There is no separate specular order.
 vec3 source_specular(Pair pair, Footprint footprint) {
     return vec3(0.0);
 }

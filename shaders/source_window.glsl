@@ -1,4 +1,4 @@
-// The window: spectra of an expansion's terms through one Gaussian window, summed over wavelengths. Its twin is
+// Spectra of an expansion's terms through one Gaussian window, summed over wavelengths. Its twin is
 // src/render/source/window.rs.
 #include "spectra.glsl"
 
@@ -9,7 +9,7 @@ layout(set = 1, binding = 4, std430) readonly buffer Bins { ivec2 bins[]; };
 
 const bool SOURCE_READS_FOOTPRINT = false;
 
-// XYZ of f cos(theta_i) [1/sr], over the wavelengths that are in the band, as many as |(u, v)| needs.
+// Returns XYZ of f cos(theta_i) [1/sr], over the wavelengths within the band, as many as |(u, v)| needs.
 vec3 source_xyz(Pair pair, Footprint footprint) {
     Ray ray = ray_of(pair);
     float largest = largest_wavenumber(pair);
@@ -35,7 +35,7 @@ vec4 source_reads(vec2 pixel, bool scattered, int samples) {
     return reads_of(layers, pixel, scattered, samples);
 }
 
-// The specular order is no part of its own here.
+// There is no separate specular order.
 vec3 source_specular(Pair pair, Footprint footprint) {
     return vec3(0.0);
 }

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Takes the vectors to viewer and light into the tangent frame of each vertex. A vector from a place to a point is linear in the place, and only a
-// linear quantity may be interpolated: the fragment stage normalises. It gets the frame, too, because interpolated frames are not orthonormal.
+// Transforms the vectors to viewer and light to the tangent frame of each vertex. A vector from a position to a point
+// is linear in the position, and only linear quantities may be interpolated: the fragment stage normalises. It also
+// gets the frame, because interpolated frames are not orthonormal.
 #include "frame.glsl"
 
 layout(location = 0) in vec3 position;
@@ -9,9 +10,9 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 tangent; // w: handedness, B = w N x T
 layout(location = 3) in vec2 uv;
 
-layout(location = 0) out vec3 view; // as long as the viewer is away
+layout(location = 0) out vec3 view; // not normalised: its length is the distance of the viewer
 layout(location = 1) out vec2 pigment_uv;
-layout(location = 2) out vec3 light; // of a lamp as long as it is away
+layout(location = 2) out vec3 light; // not normalised for a lamp
 layout(location = 3) out vec3 world;
 layout(location = 4) out vec3 world_normal;
 layout(location = 5) out vec3 world_tangent;
@@ -23,7 +24,8 @@ void main() {
     world_bitangent = tangent.w * cross(normal, tangent.xyz);
     mat3 tangent_from_world = transpose(mat3(world_tangent, world_bitangent, world_normal));
     view = tangent_from_world * (frame.eye.xyz - position);
-    // 0 of a light that is FAR_AWAY, else 1. Where this branches, lavapipe compiles the stage anew for every frame, with what is in `frame`.
+    // 0 for a light that is FAR_AWAY, otherwise 1. With a branch on a uniform, lavapipe compiles the stage anew for
+    // every frame.
     float near = min(frame.emitter.w, 1.0);
     light = tangent_from_world * (frame.light.xyz - near * position);
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward

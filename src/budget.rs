@@ -1,34 +1,34 @@
-//! A tolerance and its shares: how far each approximation may err, and the measurement behind each share.
+//! A tolerance and its shares: the allowed error of each approximation, and the measurement behind each share.
 //!
-//! Errors of different parts are independent, so their squares add up. The squares of the shares of one method make 1 at the most.
+//! Errors of different parts are independent, so their squares add up. The squares of the shares of one method sum to at most 1.
 
 use crate::filter::ERROR_OF_ONE_SAMPLE;
 use serde::{Deserialize, Serialize};
 
-/// Answer that a tolerance is promised for.
+/// Answer to which a tolerance applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
-    /// Single directions, each relative to its own value, at single wavelengths too (RMS over directions).
+    /// Single directions, each relative to its value, at single wavelengths too (RMS over directions).
     #[default]
     Directions,
-    /// The colours of a picture: relative L2 of linear RGB over the covered pixels, and RMS of each pixel's own error.
+    /// The colours of a picture: relative L2 of linear RGB over the covered pixels, and RMS of the relative errors of single pixels.
     Picture,
 }
 
-/// Question that a budget is for.
+/// Question for a budget.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Question {
-    /// Answer that the tolerance is promised for.
+    /// Answer to which the tolerance applies.
     pub purpose: Purpose,
-    /// True for finite gratings, of which a few orders may be all that a colour is made of.
+    /// True for finite gratings, whose colours may come from a few orders.
     pub is_grating: bool,
-    /// True if pixels average over footprints that are long beside what a single reading of a table is blurred by.
+    /// True if pixels average over footprints that are long beside the blur of a single reading of a table.
     pub has_long_footprints: bool,
-    /// Factor by which the sum over wavelengths may err by more than its share; 0 stands for 1. The viewer draws a glance with more.
+    /// Factor on the share of the sum over wavelengths; 0 stands for 1. Previews of the viewer have a larger one.
     pub looser_colours: f64,
 }
 
-/// A tolerance, shared out.
+/// Tolerance and its shares.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorBudget {
     /// Relative error that the user accepts.
@@ -39,13 +39,13 @@ pub struct ErrorBudget {
     pub mean: MeanBudget,
 }
 
-/// Relative errors that the parts of a sum over wavelengths and terms may bring.
+/// Relative errors allowed to the parts of a sum over wavelengths and terms.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WindowBudget {
     /// Error of a single wavelength of a single direction for an error of 1 of the answer. Spectra do not depend on it.
     #[serde(skip)]
     pub gain: f64,
-    /// Reading the spectra between texels: an intensity error, RMS over single directions and wavelengths.
+    /// Interpolation of the spectra between texels: an intensity error, RMS over single directions and wavelengths.
     pub interpolation: f64,
     /// Truncation and rounding of the expansion together, likewise.
     pub expansion: f64,
@@ -54,38 +54,39 @@ pub struct WindowBudget {
     pub wavelengths: f64,
 }
 
-/// Relative errors that the parts of a colour table may bring.
+/// Relative errors allowed to the parts of a colour table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeanBudget {
     /// Series of the orders in z, RMS over orders.
     pub series: f64,
-    /// Reading between texels.
+    /// Interpolation between texels.
     pub reading: f64,
-    /// Factor by which a single reading may err by more, because pixels average it over orders and along footprints. A surface of few orders takes less of it.
+    /// Factor on the error of a single reading, because pixels average it over orders and along footprints. It is smaller for a surface of
+    /// few orders.
     pub averaging: f64,
-    /// The same where a table would take too much room.
+    /// The same factor for a table that would take too much room.
     pub most_averaging: f64,
     /// Colours over |w| by a few numbers.
     pub basis: f64,
-    /// Places whose errors over |w| are independent in a pixel.
+    /// Number of places in a pixel whose errors over |w| are independent.
     pub places: usize,
     /// Sum over the wavelengths of a colour.
     pub wavelengths: f64,
     /// Aliases of single directions on the CPU, relative to the brightest: a colour a thousand times as dark keeps the tolerance.
     pub aliases: f64,
-    /// Colours of one sample of a picture, whose taps leave more to the average of several samples.
+    /// Colours of one sample of a picture, whose taps are fewer because several samples are averaged.
     pub one_sample: f64,
 }
 
-/// Share of an error budget as it is told.
+/// Share of an error budget in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Part that errs.
+    /// Part of the computation.
     pub part: &'static str,
     /// Allowed error, relative to the answer.
     pub allowed: f64,
-    /// Measurement that the share follows from.
+    /// Measurement behind the share.
     pub reason: &'static str,
 }
 
@@ -97,7 +98,8 @@ pub const SPECKLE: f64 = 2.0 * 2.628;
 /// error, is an intensity error of twice the amplitude error.
 const PICTURE_GAIN: f64 = SPECKLE / 2.0;
 
-/// Ratio of the error of linear interpolation midway between texels to its RMS: (1/8)/√(1/120). The one bright pixel of a picture may stand there.
+/// Ratio of the error of linear interpolation midway between texels to its RMS: (1/8)/√(1/120). The one bright pixel of a picture may lie
+/// midway.
 const MIDWAY: f64 = 1.369;
 
 impl ErrorBudget {
@@ -140,7 +142,7 @@ impl WindowBudget {
         }
     }
 
-    /// Returns the shares as they are told.
+    /// Returns the shares for reports.
     pub fn shares(&self) -> [Share; 3] {
         [
             Share {
@@ -164,14 +166,15 @@ impl WindowBudget {
 
 impl MeanBudget {
     fn new(tolerance: f64, question: Question) -> Self {
-        /// Share of the series. All pixels whose light is of one order share its error, which no average makes smaller: a plate of *Xenopeltis* under
+        /// Share of the series. All pixels with light of one order share its error, which no average reduces: a plate of *Xenopeltis* under
         /// 0.023 erred by 0.043. Series converge fast, so that a small share costs four terms at most.
         const SERIES: f64 = 0.25;
         let [reading, basis, wavelengths] = match question.purpose {
             Purpose::Directions => [0.7, 0.3, 0.4],
-            // On the snake, reading errs by 0.006 times the squared ratio of spacing and blur, by 0.046 at single points: long footprints average it.
+            // On the snake, the interpolation error is 0.006 times the squared ratio of spacing and blur, and 0.046 at single points: long
+            // footprints average it.
             Purpose::Picture if question.has_long_footprints => [0.5, 0.72, 0.48],
-            // A picture of few places may show those that err more than most.
+            // A picture of few places may show places with a larger error than most.
             Purpose::Picture => [0.5, 0.3, 0.48],
         };
         let gain = WindowBudget::new(tolerance, question).gain;
@@ -193,7 +196,7 @@ impl MeanBudget {
         }
     }
 
-    /// Returns the shares as they are told.
+    /// Returns the shares for reports.
     pub fn shares(&self) -> [Share; 4] {
         [
             Share {

@@ -1,9 +1,9 @@
-//! The one error type: what went wrong, where, and what to do about it, in a line.
+//! The one error type: the failure, its place and its remedy, in a line.
 
 use std::borrow::Cow;
 use std::fmt;
 
-/// Whose turn it is to act; decides the exit code.
+/// Cause of an error, the user or the program; decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The request itself cannot be meant (exit code 2).
@@ -12,12 +12,12 @@ pub enum ErrorKind {
     Failed,
 }
 
-/// What a caller can change so that the request succeeds. Settings have a variant each, because a program names them by its own options or
-/// controls: see [`Error::in_words`]. `Display` names them without any.
+/// Remedy: a change with which the request succeeds. Each setting has a variant, because every program has different names for it, its
+/// options or controls: see [`Error::in_words`]. `Display` names settings without any.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Remedy {
-    /// What is no setting: a whole phrase, as in `check the path`.
+    /// Anything but a setting: a whole phrase, as in `check the path`.
     Words(Cow<'static, str>),
     /// A larger accepted error.
     LargerTolerance,
@@ -51,7 +51,7 @@ pub enum Remedy {
     FartherCamera,
     /// The distance between samples of the height field.
     PixelSize,
-    /// The height that the largest grey code of the height field means.
+    /// The height of the largest grey code of the height field.
     FullHeight,
     /// Another channel of the scan.
     Channel,
@@ -101,7 +101,7 @@ impl fmt::Display for Remedy {
     }
 }
 
-/// Remedies of which any helps. Made from words, from one [`Remedy`] or from several.
+/// Alternative remedies. Made from words, from one [`Remedy`] or from several.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remedies(Vec<Remedy>);
 
@@ -129,7 +129,7 @@ impl<const N: usize> From<[Remedy; N]> for Remedies {
     }
 }
 
-/// An error with a remedy. Displays as one line: `what; remedy`.
+/// Error with a remedy. Displays as one line: `what; remedy`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error {
     kind: ErrorKind,
@@ -137,45 +137,45 @@ pub struct Error {
     remedies: Vec<Remedy>,
 }
 
-/// The result of everything in this crate that can fail.
+/// Result of everything in this crate that can fail.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// Wrong use: an option, a value or a combination that cannot be meant.
+    /// Returns an error of wrong use: an option, a value or a combination that cannot be meant.
     pub fn usage(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
         Self { kind: ErrorKind::Usage, what: what.into(), remedies: remedies.into().0 }
     }
 
-    /// Failed work: a file, a device or a computation that did not do what was asked.
+    /// Returns an error of failed work: a file, a device or a computation that did not succeed.
     pub fn failed(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
         Self { kind: ErrorKind::Failed, what: what.into(), remedies: remedies.into().0 }
     }
 
-    /// The same error with `place` (a file, a line, an option) named in front.
+    /// Returns the same error with `place` (a file, a line, an option) named in front.
     #[must_use]
     pub fn at(mut self, place: impl fmt::Display) -> Self {
         self.what = format!("{place}: {}", self.what);
         self
     }
 
-    /// The same error with a further remedy behind the others.
+    /// Returns the same error with a further remedy behind the others.
     #[must_use]
     pub fn or(mut self, remedy: impl Into<Remedies>) -> Self {
         self.remedies.append(&mut remedy.into().0);
         self
     }
 
-    /// Whose turn it is to act.
+    /// Returns the cause of the error.
     pub fn kind(&self) -> ErrorKind {
         self.kind
     }
 
-    /// What can be changed so that the request succeeds; any of them helps.
+    /// Returns the remedies; any of them helps.
     pub fn remedies(&self) -> &[Remedy] {
         &self.remedies
     }
 
-    /// The process exit code that belongs to this error.
+    /// Returns the exit code of the process.
     pub fn exit_code(&self) -> u8 {
         match self.kind {
             ErrorKind::Failed => 1,
@@ -183,7 +183,7 @@ impl Error {
         }
     }
 
-    /// The error in one line, its remedies as `words` puts them.
+    /// Returns the error in one line, with its remedies in `words`.
     pub fn in_words<'a>(&'a self, words: impl Fn(&'a Remedy) -> Cow<'a, str>) -> String {
         let mut remedies: Vec<Cow<'a, str>> = self.remedies.iter().map(words).collect();
         let last = remedies.pop().unwrap_or_default();
@@ -201,10 +201,10 @@ impl fmt::Display for Error {
     }
 }
 
-/// `text` on one plain line of readable length: file names and library messages may hold line breaks, what a terminal
-/// obeys, or a megabyte of nines.
+/// Returns `text` as one plain line of readable length: file names and library messages may hold line breaks, control characters, or a
+/// megabyte of nines.
 fn line(text: &str) -> String {
-    /// Longer than the words of any language and almost all paths.
+    /// Largest length \[characters\], above the words of any language and almost all paths.
     const LONGEST: usize = 400;
     let words = text.split(|c: char| c.is_whitespace() || c.is_control()).filter(|word| !word.is_empty());
     let shown = words.map(|word| match word.char_indices().nth(LONGEST) {

@@ -5,7 +5,7 @@ pub fn fast_size(n: usize) -> usize {
     (n.max(1)..).find(|&m| is_fast(m)).unwrap_or(n)
 }
 
-/// True if `n` ≥ 1 has no prime factor above 5.
+/// Returns true if `n` ≥ 1 has no prime factor above 5.
 pub fn is_fast(n: usize) -> bool {
     let divided = |mut rest: usize, prime: &usize| {
         while rest > 0 && rest.is_multiple_of(*prime) {

@@ -1,10 +1,10 @@
-//! The files that a command reads and writes, checked against each other before any work.
+//! Files that a command reads and writes, checked against each other before any work.
 
 use crate::error::{Error, Result};
 use crate::output;
 use std::path::{Path, PathBuf};
 
-/// The inputs and outputs of one command.
+/// Inputs and outputs of one command.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
     inputs: Vec<PathBuf>,
@@ -12,29 +12,29 @@ pub struct Files {
 }
 
 impl Files {
-    /// No files yet.
+    /// Returns an empty list.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// With inputs; a name that is no file, such as that of a built-in surface, does no harm.
+    /// Adds inputs; a name that is no file, such as that of a built-in surface, does no harm.
     #[must_use]
     pub fn reads<P: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = P>) -> Self {
         self.inputs.extend(paths.into_iter().map(|path| path.as_ref().to_owned()));
         self
     }
 
-    /// With outputs.
+    /// Adds outputs.
     #[must_use]
     pub fn writes<P: AsRef<Path>>(mut self, paths: impl IntoIterator<Item = P>) -> Self {
         self.outputs.extend(paths.into_iter().map(|path| path.as_ref().to_owned()));
         self
     }
 
-    /// Sees that every output can be written, that none is an input, and that no two are the same file.
+    /// Checks that every output can be written, that none is an input, and that no two are the same file.
     ///
     /// # Errors
-    /// Names the outputs that meet another file; else as [`output::check`].
+    /// Outputs that coincide with another file, which are named; otherwise those of [`output::check`].
     pub fn check(&self) -> Result<()> {
         let known = |path: &PathBuf| (Identity::of(path), path.clone());
         let inputs: Vec<_> = self.inputs.iter().map(known).collect();
@@ -59,11 +59,11 @@ fn refused(path: &Path, what: &str, other: &Path) -> Error {
     Error::usage(what, "give the output another name").at(path.display())
 }
 
-/// What a path leads to.
+/// Identity of the file that a path leads to.
 struct Identity {
-    /// The path without links; of a file that does not exist, the folder's and the name.
+    /// Path without links; for a file that does not exist, that of the folder and the name.
     path: Option<PathBuf>,
-    /// Device and inode of what is there.
+    /// Device and inode of an existing file.
     #[cfg(unix)]
     node: Option<(u64, u64)>,
 }

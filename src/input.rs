@@ -1,4 +1,4 @@
-//! Reading files that anybody may have written: only regular files, only as large as they can sensibly be.
+//! Reading of untrusted files: only regular files of a sensible size.
 
 use crate::error::{Error, Result};
 use exr::math::Vec2;
@@ -9,13 +9,13 @@ use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-/// The largest text input (tables, queries, scenes) that is read \[bytes\]: about ten million numbers.
+/// Largest text input (tables, queries, scenes) \[bytes\]: about ten million numbers.
 pub const MAX_TEXT: u64 = 256 << 20;
 
 /// Opens a regular file of at most `limit` bytes; a folder, a pipe or a device is refused before it can block.
 ///
 /// # Errors
-/// Says what stands at `path`, and that `expected` was wanted.
+/// Another kind of file at `path`; the message names it and the `expected` kind.
 pub fn open(path: &Path, expected: &str, limit: u64) -> Result<File> {
     let place = path.display();
     let describe = |e: std::io::Error| {
@@ -41,40 +41,40 @@ pub fn open(path: &Path, expected: &str, limit: u64) -> Result<File> {
     File::open(path).map_err(describe)
 }
 
-/// The whole text of a file of at most [`MAX_TEXT`] bytes.
+/// Reads the whole text of a file of at most [`MAX_TEXT`] bytes.
 ///
 /// # Errors
-/// As [`open`], and where the content is not UTF-8.
+/// Those of [`open`]; content that is not UTF-8.
 pub fn read_text(path: &Path, expected: &str) -> Result<String> {
     let file = open(path, expected, MAX_TEXT)?;
     let mut text = String::new();
-    // The file may grow while it is read: the limit holds for what is read, too.
+    // The file may grow while it is read, so the limit applies to the read bytes as well.
     file.take(MAX_TEXT).read_to_string(&mut text).map_err(|e| {
         Error::failed(format!("it is not text ({e})"), format!("give {expected}")).at(path.display())
     })?;
     Ok(text)
 }
 
-/// What a picture file has to be.
+/// Requirements on a picture file.
 #[derive(Clone, Copy, Debug)]
 pub struct PictureFile {
-    /// Its formats.
+    /// Formats.
     pub formats: &'static [ImageFormat],
-    /// What is said of a file that has none of them, as in `neither PNG nor TIFF`.
+    /// Words for a file of another format, as in `neither PNG nor TIFF`.
     pub names: &'static str,
-    /// What is wanted of it, as in `a picture for the pigment`.
+    /// Words for the expected file, as in `a picture for the pigment`.
     pub expected: &'static str,
-    /// What it is to be read as, as in `a picture`.
+    /// Words for the use of the file, as in `a picture`.
     pub role: &'static str,
     /// Largest side \[pixels\].
     pub side: u32,
 }
 
 impl PictureFile {
-    /// The whole content of the file `path`.
+    /// Reads the whole content of the file `path`.
     ///
     /// # Errors
-    /// As [`open`].
+    /// Those of [`open`].
     pub fn read(&self, path: &Path) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let file = open(path, self.expected, MAX_TEXT)?;
@@ -82,10 +82,10 @@ impl PictureFile {
         Ok(bytes)
     }
 
-    /// Width and height of the picture in `bytes`, from its header.
+    /// Returns width and height of the picture in `bytes`, from its header.
     ///
     /// # Errors
-    /// Where it has another format or no header.
+    /// Another format or no header.
     pub fn size(&self, bytes: &[u8]) -> Result<[u32; 2]> {
         self.reader(bytes)?
             .into_dimensions()
@@ -93,10 +93,10 @@ impl PictureFile {
             .map_err(|e| self.refuse(&e))
     }
 
-    /// The picture in `bytes`.
+    /// Decodes the picture in `bytes`.
     ///
     /// # Errors
-    /// Where it has another format or a larger side, or is damaged.
+    /// Another format, a larger side, damage.
     pub fn decode(&self, bytes: &[u8]) -> Result<DynamicImage> {
         let mut reader = self.reader(bytes)?;
         if reader.format() == Some(ImageFormat::OpenExr) {
@@ -109,12 +109,12 @@ impl PictureFile {
         reader.decode().map_err(|e| self.refuse(&e))
     }
 
-    /// Fails where an EXR file stores far more than the picture that it shows, or in blocks that are larger than the picture: its decoder
-    /// takes their memory unasked.
+    /// Fails for an EXR file that stores far more than its display window, or in blocks that are larger than the picture: its decoder
+    /// allocates them without asking.
     fn check_stored(&self, bytes: &[u8]) -> Result<()> {
-        /// Pixels that are stored around those that are shown may be so many times as many.
+        /// Largest ratio of the stored pixels to those of the display window.
         const OVERSCAN: u64 = 4;
-        /// Pixels of the largest tile that a smaller picture may be stored in.
+        /// Pixels of the largest tile in which a smaller picture may be stored.
         const TILE: u64 = 1 << 20;
         let meta = MetaData::read_from_buffered(bytes, false).map_err(|e| self.refuse(&e))?;
         let area = |size: Vec2<usize>| (size.0 as u64).saturating_mul(size.1 as u64);

@@ -3,8 +3,8 @@
 //! Start with the [`prelude`] and the programs in `examples/`. The feature `vulkan` (on by default) has the renderer, `viewer` (on by
 //! default) the window; without them the library has height fields, optics, spectra, colour tables and 64-bit references.
 //!
-//! Data flows one way: `surface` → `spectra` → `table` → `render` (with `scene` and `vk`) → picture, and
-//! `optics::reference` judges it. `docs/ARCHITECTURE.md` has the floors.
+//! Data flows one way: `surface` → `spectra` → `table` → `render` (with `scene` and `vk`) → picture, and `optics::reference` checks the
+//! result. `docs/ARCHITECTURE.md` lists the imports allowed to each module.
 
 #![deny(unsafe_code)]
 

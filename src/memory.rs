@@ -1,21 +1,21 @@
-//! Room for large arrays, asked about before they are taken.
+//! Check for enough memory before large arrays are allocated.
 
 use crate::error::{Error, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Fails when `bytes` for `what`, and an eighth more, are more than this machine can give now.
+/// Fails if `bytes` for `what`, and an eighth more, are more than this machine can give now.
 ///
-/// Where the system does not tell how much it has, every request passes.
+/// If the system does not report its memory, every request passes.
 ///
 /// # Errors
-/// The request is larger than the memory that is available.
+/// A request larger than the available memory.
 pub fn ensure_room(bytes: u64, what: &str) -> Result<()> {
     check(bytes, available(), what)
 }
 
 fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
-    // An eighth more: small things stand beside a large one, and the C library sets address space aside for each thread.
+    // An eighth more for small allocations beside a large one, and for the address space that the C library sets aside for each thread.
     let bytes = bytes.saturating_add(bytes / 8);
     match available {
         Some(room) if bytes > room => Err(Error::failed(
@@ -26,18 +26,18 @@ fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
     }
 }
 
-/// Whether this process may take less address space than the machine has.
+/// Returns true if this process may take less address space than the machine has.
 pub fn is_limited() -> bool {
     own_limits().is_some_and(|(limits, status)| own_available(&limits, &status).is_some())
 }
 
-/// `/proc/self/limits` and `/proc/self/status`.
+/// Reads `/proc/self/limits` and `/proc/self/status`.
 fn own_limits() -> Option<(String, String)> {
     fs::read_to_string("/proc/self/limits").ok().zip(fs::read_to_string("/proc/self/status").ok())
 }
 
-/// What can still be taken without swapping: the system's own estimate, the limit of the control group, or what the
-/// process' own limit (`ulimit -v`) leaves, whichever is lowest.
+/// Returns the memory that is available without swapping: the lowest of the system's estimate, the limit of the control group, and the rest
+/// of the process limit (`ulimit -v`).
 fn available() -> Option<u64> {
     let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
     let group = group_available();
@@ -45,10 +45,10 @@ fn available() -> Option<u64> {
     system.into_iter().chain(group).chain(own).min()
 }
 
-/// What the limits of this process' control groups leave beside the memory that it has \[bytes\]; `None` where there is none.
+/// Returns the memory that the limits of this process' control groups leave beside its present memory \[bytes\]; `None` without a limit.
 fn group_available() -> Option<u64> {
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    // A container sees its own group as the root.
+    // A container sees its control group as the root.
     let root =
         ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"].map(PathBuf::from);
     let files = group_limits(&groups).into_iter().chain(root);
@@ -57,7 +57,7 @@ fn group_available() -> Option<u64> {
     Some(limit.saturating_sub(kib_after("VmRSS:", &status).unwrap_or(0)))
 }
 
-/// The files with the limits of the groups in the text of `/proc/self/cgroup`, of version 1 and 2, and of those above them.
+/// Returns the files with the limits of the groups in the text of `/proc/self/cgroup`, of version 1 and 2, and of the groups above them.
 fn group_limits(groups: &str) -> Vec<PathBuf> {
     let files = groups.lines().flat_map(|line| {
         let mut parts = line.splitn(3, ':').skip(1);
@@ -75,27 +75,27 @@ fn group_limits(groups: &str) -> Vec<PathBuf> {
     files.collect()
 }
 
-/// What the address space of `/proc/self/limits` leaves beside `VmSize` of `/proc/self/status` \[bytes\]; `None` where it has
-/// no limit.
+/// Returns the difference of the address space in `/proc/self/limits` and `VmSize` of `/proc/self/status` \[bytes\]; `None` without a
+/// limit.
 fn own_available(limits: &str, status: &str) -> Option<u64> {
     let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = limit.split_whitespace().next()?.parse().ok()?;
     Some(limit.saturating_sub(kib_after("VmSize:", status)?))
 }
 
-/// `MemAvailable` of `/proc/meminfo` \[bytes\].
+/// Returns `MemAvailable` of `/proc/meminfo` \[bytes\].
 fn meminfo_available(text: &str) -> Option<u64> {
     kib_after("MemAvailable:", text)
 }
 
-/// The number of KiB in the line that begins with `name` \[bytes\].
+/// Returns the number of KiB in the line that begins with `name` \[bytes\].
 fn kib_after(name: &str, text: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kib: u64 = line.split_whitespace().next()?.parse().ok()?;
     kib.checked_mul(1024)
 }
 
-/// `bytes` in the largest binary unit that they fill.
+/// Returns `bytes` in the largest binary unit that they fill.
 pub(crate) fn in_words(bytes: u64) -> String {
     const KIB: f64 = 1024.0;
     let size = bytes as f64;

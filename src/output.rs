@@ -6,10 +6,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// How the names of files begin that are still being written.
+/// Prefix of the names of files that are still being written.
 pub const TEMPORARY: &str = ".diffract-";
 
-/// Permissions of a new result: read and write for everyone, from which the system takes away what the umask says.
+/// Permissions of a new result before the umask: read and write for everyone.
 const BEFORE_UMASK: u32 = 0o666;
 
 /// Writes the file `path` through `write`, which gets a buffered, seekable writer.
@@ -17,7 +17,7 @@ const BEFORE_UMASK: u32 = 0o666;
 /// The bytes go to a temporary file in the same folder, which becomes `path` when all of them are on disk. A failure
 /// leaves a former file as it was and nothing new behind; so does a signal that ends the program, where the file system
 /// has files without a name (Linux, most local file systems). A link is followed. A file that is replaced passes on its
-/// permissions, and its owner and group where the system allows that; hard links to it keep the former content.
+/// permissions, and its owner and group if the system allows that; hard links to it keep the former content.
 ///
 /// # Errors
 /// Whatever `write` returns; a folder that is missing or not writable; a target that is a folder or a device, or that
@@ -40,30 +40,30 @@ pub fn write_atomically<T>(
     Ok(value)
 }
 
-/// Fails where [`write_atomically`] would: asked before long work whose result would be lost.
+/// Fails if [`write_atomically`] would: a check before long work whose result would be lost.
 ///
 /// # Errors
-/// As [`write_atomically`]. A disk that fills up in between is not foreseen.
+/// Those of [`write_atomically`]. A disk that fills up in between is not foreseen.
 pub fn check(path: &Path) -> Result<()> {
     Draft::beside(&resolve(path)?).map(drop).map_err(|e| e.at(path.display()))
 }
 
-/// A file that is being written; gone with its value unless it is given a name.
+/// File that is being written; removed on drop unless it gets a name.
 pub(crate) struct Draft {
     folder: PathBuf,
     file: Unfinished,
 }
 
 enum Unfinished {
-    /// Without a name: the system removes it when the program ends, however that happens.
+    /// File without a name: the system removes it when the program ends in any way.
     #[cfg(target_os = "linux")]
     Unnamed(File),
-    /// Where the file system has no files without names.
+    /// Named file, for file systems without unnamed ones.
     Named(NamedTempFile),
 }
 
 impl Draft {
-    /// A new file in `folder` with the permissions `mode`, less what the umask takes away.
+    /// Creates a file in `folder` with the permissions `mode`, less the umask.
     pub(crate) fn new(folder: &Path, mode: u32) -> io::Result<Self> {
         #[cfg(target_os = "linux")]
         if let Ok(file) = unnamed(folder, mode) {
@@ -73,7 +73,7 @@ impl Draft {
         Ok(Self { folder: folder.to_owned(), file: Unfinished::Named(file) })
     }
 
-    /// A new file in the folder of `target`.
+    /// Creates a file in the folder of `target`.
     fn beside(target: &Path) -> Result<Self> {
         let folder = match target.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -82,7 +82,7 @@ impl Draft {
         Self::new(folder, BEFORE_UMASK).map_err(|e| cannot_create(&e, folder))
     }
 
-    /// The file, to be written.
+    /// Returns the file for writing.
     pub(crate) fn file(&mut self) -> &mut File {
         match &mut self.file {
             #[cfg(target_os = "linux")]
@@ -91,7 +91,7 @@ impl Draft {
         }
     }
 
-    /// Puts the file at `target`, which must be in its folder, and whose former content goes.
+    /// Moves the file to `target`, which must be in its folder, and replaces a former file.
     pub(crate) fn persist(self, target: &Path) -> io::Result<()> {
         match self.file {
             #[cfg(target_os = "linux")]
@@ -109,11 +109,11 @@ impl Draft {
     }
 }
 
-/// A file in `folder` without a name.
+/// Creates a file in `folder` without a name.
 #[cfg(target_os = "linux")]
 fn unnamed(folder: &Path, mode: u32) -> io::Result<File> {
     use rustix::fs::{Mode, OFlags};
-    // What gives the file its name later.
+    // Path through which the file gets its name later.
     fs::metadata("/proc/self/fd")?;
     let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
     Ok(rustix::fs::open(folder, flags, Mode::from_raw_mode(mode))?.into())
@@ -128,13 +128,13 @@ fn link(file: &File, path: &Path) -> io::Result<()> {
     Ok(linkat(CWD, own, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
 }
 
-/// Gives `file` the permissions of `former`, and its owner and group where the system allows it.
+/// Gives `file` the permissions of `former`, and its owner and group if the system allows it.
 fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::{MetadataExt, fchown};
         let own = file.metadata()?;
-        // One by one: the group may be allowed where the owner is not.
+        // Each separately: the group may be allowed if the owner is not.
         if own.gid() != former.gid() {
             let _ = fchown(file, None, Some(former.gid()));
         }
@@ -145,13 +145,13 @@ fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
     file.set_permissions(former.permissions())
 }
 
-/// The error for a write to `path` that the system refused.
+/// Returns the error for a write to `path` that the system refused.
 pub fn write_failed(path: &Path, cause: &io::Error) -> Error {
     Error::failed(format!("cannot write: {cause}"), "check the free space and the permissions")
         .at(path.display())
 }
 
-/// The file that `path` means, links followed, unless it is something that must not be replaced.
+/// Returns the target of `path`, with links followed, unless it must not be replaced.
 fn resolve(path: &Path) -> Result<PathBuf> {
     let ends_as_a_folder = path.to_string_lossy().ends_with(std::path::is_separator);
     if path.file_name().is_none() || ends_as_a_folder {
@@ -177,7 +177,7 @@ fn resolve(path: &Path) -> Result<PathBuf> {
     }
 }
 
-/// Whether the file `path` may be written: by somebody, which root respects, too, and by this user.
+/// Returns true if the file `path` has a write permission, which binds root here as well, and this user may write it.
 fn may_be_written(path: &Path, there: &Metadata) -> bool {
     #[cfg(unix)]
     if rustix::fs::access(path, rustix::fs::Access::WRITE_OK).is_err() {
@@ -204,8 +204,7 @@ fn cannot_create(cause: &io::Error, folder: &Path) -> Error {
     }
 }
 
-/// Makes temporary files with the permissions `mode`, less what the umask takes away; the default of `tempfile` is the owner
-/// only.
+/// Returns a builder of temporary files with the permissions `mode`, less the umask; the default of `tempfile` is the owner only.
 fn builder(mode: u32) -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY);

@@ -1,8 +1,8 @@
-//! The one writer of pictures: PNG as displayed, EXR linear, both with what made them.
+//! The one writer of pictures: PNG as displayed, EXR linear, both with notes about their origin.
 
 use crate::error::{Error, Result};
 use crate::output;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use exr::prelude::{
     Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Text, WritableImage,
 };
@@ -10,20 +10,20 @@ use std::fs::File;
 use std::io::{BufReader, Error as IoError, Seek, Write};
 use std::path::Path;
 
-/// A picture file's format, by its name.
+/// Format of a picture file, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// 8-bit sRGB, as displayed over the background; alpha is the coverage, or 1 where the background is surroundings.
+    /// 8-bit sRGB, as displayed over the background; alpha is the coverage, or 1 before an environment map.
     Png,
     /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
     Exr,
 }
 
 impl PictureFormat {
-    /// The format that a file name asks for.
+    /// Returns the format of a file name's extension.
     ///
     /// # Errors
-    /// Where it ends neither in .png nor in .exr.
+    /// Neither .png nor .exr.
     pub fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("png") => Ok(Self::Png),
@@ -36,22 +36,22 @@ impl PictureFormat {
     }
 }
 
-/// What a picture file says of itself beside its pixels.
+/// Notes in a picture file beside its pixels.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notes {
-    /// The command that draws the same picture; empty where there is none.
+    /// Command that draws the same picture; empty if there is none.
     pub command: String,
     /// More names (1 to 79 letters of Latin-1) and values, in the order in which they are written.
     pub more: Vec<(String, String)>,
 }
 
 impl Notes {
-    /// Of a picture that `command` draws of a surface about which `scalar_theory` says how far the optics holds.
+    /// Returns the notes of a picture that `command` draws of a surface; `scalar_theory` describes the validity of the optics for it.
     pub fn new(command: String, scalar_theory: String) -> Self {
         Self { command, more: vec![("Scalar theory".to_owned(), scalar_theory)] }
     }
 
-    /// All names and values, the version of the program first.
+    /// Returns all names and values, the version of the program first.
     fn all(&self) -> Vec<(String, String)> {
         let software = ("Software".to_owned(), format!("diffract {}", env!("CARGO_PKG_VERSION")));
         let comment = ("Comment".to_owned(), format!("The same picture: {}", self.command));
@@ -63,14 +63,14 @@ impl Notes {
 /// Writes `picture` to `path`, whole or not at all. The same picture and notes give the same bytes.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// A file that cannot be written.
 pub fn write(path: &Path, format: PictureFormat, picture: &Picture, notes: &Notes) -> Result<()> {
     output::write_atomically(path, |file| {
         let encoded = match format {
             PictureFormat::Png => png(file, picture, notes),
             PictureFormat::Exr => exr(file, picture, notes),
         };
-        // Encoders wrap what the system says in words about their format; what is still to be written meets it again.
+        // Encoders wrap the system's error in words about their format; flushing the rest returns that error again.
         encoded.map_err(|e| match file.flush() {
             Err(cause) => output::write_failed(path, &cause),
             Ok(()) => output::write_failed(path, &e),
@@ -78,16 +78,17 @@ pub fn write(path: &Path, format: PictureFormat, picture: &Picture, notes: &Note
     })
 }
 
-/// Writes `picture` to `path` in the format that its name asks for, without notes.
+/// Writes `picture` to `path` in the format of its extension, without notes.
 ///
 /// # Errors
-/// As [`PictureFormat::of`] and [`write()`].
+/// Those of [`PictureFormat::of`] and [`write()`].
 pub fn save(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
     let path = path.as_ref();
     write(path, PictureFormat::of(path)?, picture, &Notes::default())
 }
 
-/// What the picture file `path` says under `name` among its [`Notes::more`]; `None` where it says nothing, or is no picture that can be read.
+/// Returns the note `name` among the [`Notes::more`] of the picture file `path`; `None` if there is none, or if the file is no picture that
+/// can be read.
 pub fn note(path: &Path, name: &str) -> Option<String> {
     match PictureFormat::of(path).ok()? {
         PictureFormat::Png => {
@@ -103,7 +104,7 @@ pub fn note(path: &Path, name: &str) -> Option<String> {
     }
 }
 
-/// All text of a picture file of this `format` with these `notes`, as [`text_of`] reads it.
+/// Returns all text of a picture file of this `format` with these `notes`, in the form of [`text_of`].
 pub fn text(format: PictureFormat, notes: &Notes) -> String {
     let all = notes.all();
     match format {
@@ -120,7 +121,7 @@ pub fn text(format: PictureFormat, notes: &Notes) -> String {
     }
 }
 
-/// All text of the picture file `path`; `None` where it is no picture that can be read.
+/// Returns all text of the picture file `path`; `None` if the file is no picture that can be read.
 pub fn text_of(path: &Path) -> Option<String> {
     match PictureFormat::of(path).ok()? {
         PictureFormat::Png => {
@@ -140,7 +141,7 @@ pub fn text_of(path: &Path) -> Option<String> {
     }
 }
 
-/// The pixels of `picture` as a file of this `format` stores them.
+/// Returns the pixels of `picture` as a file of this `format` stores them.
 pub fn pixels(format: PictureFormat, picture: &Picture) -> Vec<u8> {
     match format {
         PictureFormat::Png => codes(picture),
@@ -148,7 +149,7 @@ pub fn pixels(format: PictureFormat, picture: &Picture) -> Vec<u8> {
     }
 }
 
-/// `word` as a shell takes it.
+/// Quotes `word` for a shell.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:+=@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -171,8 +172,8 @@ fn png(file: &mut impl Write, picture: &Picture, notes: &Notes) -> std::result::
     Ok(writer.finish()?)
 }
 
-/// RGBA of a PNG: what is displayed, over the background, and in alpha how much of each pixel the mesh covers. A program that drops alpha
-/// shows the whole picture with smooth edges. Surroundings are opaque: they are seen in every program.
+/// Returns the RGBA of a PNG: the displayed colour over the background, and in alpha the coverage of each pixel by the mesh. A program that
+/// drops alpha shows the whole picture with smooth edges. An environment map is opaque: every program shows it.
 fn codes(picture: &Picture) -> Vec<u8> {
     let pixels = picture.display.iter().zip(&picture.radiance);
     let alpha = |coverage: f32| if picture.surrounded { 255 } else { (coverage * 255.0).round() as u8 };
@@ -187,13 +188,14 @@ fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std:
         let [r, g, b, a] = picture.radiance[at.y() * width + at.x()];
         (r, g, b, a)
     });
-    // In order: tiles are compressed by several threads, and would be written as they are ready.
+    // In order: tiles are compressed by several threads, and would be written in the order in which they finish.
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
     let image = Image::from_layer(Layer::new((width, height), attributes, encoding, channels));
     image.write().to_buffered(file).map_err(IoError::other)
 }
 
-/// The version of the program, and all other notes in one attribute: the library writes attributes of one's own in an order that changes from run to run.
+/// Returns the version of the program, and all other notes in one attribute: the library writes custom attributes in an order that changes
+/// from run to run.
 fn exr_text(notes: Vec<(String, String)>) -> (Option<Text>, Option<Text>) {
     let mut all = notes.into_iter();
     let software = all.next().and_then(|(_, software)| ascii(&software));
@@ -202,8 +204,8 @@ fn exr_text(notes: Vec<(String, String)>) -> (Option<Text>, Option<Text>) {
     (software, ascii(&comments.join("\n")))
 }
 
-/// `text` in ASCII. EXR says nothing of other letters, and some readers refuse a file that has them: signs of formulas are written out, other
-/// letters as `\u{…}`.
+/// Converts `text` to ASCII. EXR does not define other letters, and some readers refuse a file that has them: symbols in formulas are
+/// written out, other letters as `\u{…}`.
 fn ascii(text: &str) -> Option<Text> {
     let letter = |c: char| match c {
         '°' => "deg".to_owned(),

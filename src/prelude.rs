@@ -1,4 +1,4 @@
-//! What most programs that use this library need: `use diffract::prelude::*;`. Lengths are micrometres, angles degrees.
+//! The items that most programs need from this library: `use diffract::prelude::*;`. Lengths are micrometres, angles degrees.
 //!
 //! | for | take |
 //! | --- | --- |

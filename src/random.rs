@@ -1,15 +1,15 @@
-//! A small seeded generator, so that a seed means one surface, or one choice of pixels, for ever.
+//! Small seeded generator, so that a seed always gives the same surface, or choice of pixels.
 
-/// SplitMix64 [Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators"].
+/// Generator SplitMix64 [Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators"].
 pub struct Random(u64);
 
 impl Random {
-    /// The stream of `seed`.
+    /// Returns the stream of `seed`.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// The next 64 bits.
+    /// Returns the next 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -18,12 +18,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Uniform in 0 … 1, 1 excluded: the 53 bits that a double holds.
+    /// Returns a number that is uniform in 0 … 1, 1 excluded, with the 53 bits of a double.
     pub fn share(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Uniform in −1 … 1.
+    /// Returns a number that is uniform in −1 … 1.
     pub fn signed(&mut self) -> f64 {
         2.0 * self.share() - 1.0
     }

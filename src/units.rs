@@ -1,7 +1,7 @@
-//! Parses numbers with units, as on the command line and in scene files.
+//! Parsers of numbers with units, on the command line and in scene files.
 //!
-//! Lengths become micrometres and angles degrees. A length without a unit is an error.
-//! Every function is a plain `&str -> Result`, so that it can be an argument's value parser.
+//! Lengths become micrometres and angles degrees. A length without a unit is an error. Every function is a plain `&str -> Result`, so that
+//! it can be an argument's value parser.
 
 use crate::error::{Error, Result};
 
@@ -12,7 +12,7 @@ const LENGTHS: [(&str, f64); 6] =
 /// Units of angle in degrees.
 const ANGLES: [(&str, f64); 3] = [("deg", 1.0), ("\u{b0}", 1.0), ("rad", 180.0 / std::f64::consts::PI)];
 
-/// Units of size on disk, decimal and binary, and what one of them is \[bytes\].
+/// Units of size on disk, decimal and binary, with their size \[bytes\].
 const SIZES: [(&str, f64); 10] = [
     ("kB", 1e3),
     ("KB", 1e3),
@@ -35,7 +35,7 @@ pub const MAX_PIXELS: u32 = 16_384;
 /// Largest number of copies or windows along one axis.
 pub const MAX_COUNT: u32 = 10_000;
 
-/// A positive length such as `65um`, `434.7nm`, `0.5mm` or `1µm` \[µm\].
+/// Parses a positive length such as `65um`, `434.7nm`, `0.5mm` or `1µm` \[µm\].
 ///
 /// # Errors
 /// No number, a missing or unknown unit, a number that is not finite and positive, a length outside 1 pm … 1 m.
@@ -50,10 +50,10 @@ pub fn length(text: &str) -> Result<f64> {
     Ok(value)
 }
 
-/// One length for both axes, or two as in `80nmx90nm` (`x` or `×`) \[µm\].
+/// Parses one length for both axes, or two as in `80nmx90nm` (`x` or `×`) \[µm\].
 ///
 /// # Errors
-/// As [`length`], for either.
+/// Those of [`length`], for either.
 pub fn length_pair(text: &str) -> Result<[f64; 2]> {
     match split_pair(text) {
         Some((x, y)) => Ok([length(x)?, length(y)?]),
@@ -61,7 +61,7 @@ pub fn length_pair(text: &str) -> Result<[f64; 2]> {
     }
 }
 
-/// A finite angle such as `30deg`, `-12.5°` or `0.5rad` \[degrees\].
+/// Parses a finite angle such as `30deg`, `-12.5°` or `0.5rad` \[degrees\].
 ///
 /// # Errors
 /// No number, a missing or unknown unit, a number that is not finite.
@@ -69,12 +69,12 @@ pub fn angle(text: &str) -> Result<f64> {
     with_unit(text, &ANGLES, "30deg")
 }
 
-/// Three finite numbers such as `0.3,1.7,-2`.
+/// Parses three finite numbers such as `0.3,1.7,-2`.
 ///
 /// # Errors
 /// Another number of fields, or one that is no number or beyond ±10⁹.
 pub fn triple(text: &str) -> Result<[f64; 3]> {
-    /// As for coordinates of meshes: squares still fit an `f32`.
+    /// Largest absolute value, the same as for coordinates of meshes: squares still fit an `f32`.
     const LARGEST: f64 = 1e9;
     let numbers: Option<Vec<f64>> =
         text.split(',').map(|field| number(field.trim()).filter(|x| x.abs() <= LARGEST)).collect();
@@ -83,10 +83,10 @@ pub fn triple(text: &str) -> Result<[f64; 3]> {
         .ok_or_else(|| Error::usage(format!("'{text}' is not three numbers"), "write X,Y,Z as in 0.3,1.7,-2"))
 }
 
-/// A colour as three numbers from 0 to 1, linear sRGB.
+/// Parses a colour as three numbers from 0 to 1, linear sRGB.
 ///
 /// # Errors
-/// As [`triple`], and numbers outside.
+/// Those of [`triple`], and numbers outside 0 … 1.
 pub fn color(text: &str) -> Result<[f64; 3]> {
     let color = triple(text).ok().filter(|color| color.iter().all(|c| (0.0..=1.0).contains(c)));
     color.ok_or_else(|| {
@@ -95,13 +95,13 @@ pub fn color(text: &str) -> Result<[f64; 3]> {
     })
 }
 
-/// A size in memory or on disk such as `2GiB`, `500MB` or `0` \[bytes\].
+/// Parses a size in memory or on disk such as `2GiB`, `500MB` or `0` \[bytes\].
 ///
 /// # Errors
 /// No number, no unit or an unknown one, a negative number, more than 2⁶³ bytes.
 pub fn bytes(text: &str) -> Result<u64> {
     const EXAMPLES: &str = "500MiB, 2GiB or 0";
-    /// Exactly a `f64`.
+    /// Largest size \[bytes\], exactly an `f64`.
     const LARGEST: f64 = (1u64 << 63) as f64;
     if number(text.trim()) == Some(0.0) {
         return Ok(0);
@@ -113,7 +113,7 @@ pub fn bytes(text: &str) -> Result<u64> {
     Ok(value as u64)
 }
 
-/// Two counts such as `3x3`, each 1 … [`MAX_COUNT`].
+/// Parses two counts such as `3x3`, each 1 … [`MAX_COUNT`].
 ///
 /// # Errors
 /// Another form or a count outside.
@@ -121,7 +121,7 @@ pub fn counts(text: &str) -> Result<[u32; 2]> {
     whole_pair(text, "3x3", MAX_COUNT)
 }
 
-/// A picture size in pixels such as `1280x720`, each side 1 … [`MAX_PIXELS`].
+/// Parses a picture size in pixels such as `1280x720`, each side 1 … [`MAX_PIXELS`].
 ///
 /// # Errors
 /// Another form or a side outside.
@@ -176,14 +176,14 @@ fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
     ))
 }
 
-/// `write 12nm, 12um or 12mm`, with the number that the user wrote.
+/// Returns `write 12nm, 12um or 12mm`, with the number that the user wrote.
 fn with_own_number(number: &str, examples: &str) -> String {
     let example = examples.trim_start_matches(|c: char| c.is_ascii_digit());
     let placeholder = &examples[..examples.len() - example.len()];
     format!("write {}", examples.replace(placeholder, number))
 }
 
-/// Parses a finite decimal number. Rust's own parser accepts `inf` and `NaN` as well.
+/// Parses a finite decimal number. The parser of Rust's standard library accepts `inf` and `NaN` as well.
 pub fn number(text: &str) -> Option<f64> {
     let decimal = text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'+' | b'e' | b'E'));
     text.parse::<f64>().ok().filter(|value| decimal && value.is_finite())

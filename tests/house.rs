@@ -223,6 +223,28 @@ fn graph() -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
         .collect()
 }
 
+/// Comments begin with a verb or a noun: a question word in front is a sentence that says what a name says already.
+#[test]
+fn comments_begin_with_a_verb_or_a_noun() {
+    const AVOIDED: [&str; 7] = ["What", "Where", "Whether", "How", "Which", "Of", "As"];
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let shaders = std::fs::read_dir(root.join("shaders")).unwrap().map(|entry| entry.unwrap().path());
+    let files =
+        sources().into_iter().map(|file| root.join("src").join(file)).chain(shaders.filter(|p| p.is_file()));
+    let mut wrong = Vec::new();
+    for file in files {
+        let text = std::fs::read_to_string(&file).unwrap();
+        for (number, line) in text.lines().enumerate() {
+            let Some(comment) = line.trim_start().strip_prefix("//") else { continue };
+            let first = comment.trim_start_matches(['/', '!']).split_whitespace().next().unwrap_or_default();
+            if AVOIDED.contains(&first) {
+                wrong.push(format!("{}:{}: {}", file.display(), number + 1, line.trim()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 fn a_module_imports_from_floors_below_its_own_alone() {
     let allowed: BTreeMap<&str, &[&str]> = FLOORS.into_iter().collect();

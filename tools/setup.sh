@@ -11,7 +11,7 @@ usage: tools/setup.sh [build] [run] [test]
 
   build     what compiling needs: Rust, a C++ compiler, the shaderc library
   run       and what the program needs: the Vulkan loader, a driver, the libraries of a window where there is a display
-  test      and what the tests need: Mesa's lavapipe, the Khronos validation layer, Xvfb, sway, wtype and the libraries of a window
+  test      and what the tests need: Mesa's lavapipe, the Khronos validation layer, Xvfb, sway, wtype, Chromium and the libraries of a window
   lavapipe  install nothing, print the path of lavapipe's driver manifest
 
 What is missing is installed with apt-get where that takes no password; elsewhere the packages are named.
@@ -271,6 +271,7 @@ collect() {
         have Xvfb || need 'Xvfb' xvfb xorg-x11-server-Xvfb xorg-server-xvfb
         have sway || need 'sway, a Wayland compositor' sway sway sway
         have wtype || need 'wtype' wtype wtype wtype
+        have chromium || need 'Chromium' chromium chromium chromium
         has_library libwayland-client.so.0 || need 'libwayland-client' libwayland-client0 libwayland-client wayland
         has_library libxkbcommon.so.0 || need 'libxkbcommon' libxkbcommon0 libxkbcommon libxkbcommon
         need_x11

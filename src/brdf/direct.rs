@@ -1,4 +1,4 @@
-//! The direct sum as a [`Brdf`].
+//! Direct sum as a [`Brdf`].
 
 use super::{Brdf, without_cosine};
 use crate::error::Result;
@@ -7,12 +7,12 @@ use crate::optics::reference::Reference;
 use crate::optics::spectrum::Illuminant;
 use glam::DVec3;
 
-/// The direct sum in f64, and the light that colours are seen under.
+/// Direct sum in f64, with the illuminant of colours.
 #[derive(Clone, Debug)]
 pub struct DirectSum<'a> {
-    /// The sum.
+    /// Direct sum.
     pub reference: Reference<'a>,
-    /// The light.
+    /// Illuminant.
     pub illuminant: &'a Illuminant,
 }
 

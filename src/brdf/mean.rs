@@ -1,4 +1,4 @@
-//! The mean over coherence areas in f64, by a direct sum over the samples. See [`crate::spectra::power`] for the formula.
+//! Mean over coherence areas in f64, by a direct sum over the samples. See [`crate::spectra::power`] for the formula.
 
 use super::seen_part::SeenPart;
 use super::spread::{CUT, NEAREST, Spread};
@@ -14,28 +14,28 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// A surface whose mean response is asked for.
+/// Mean response of a surface.
 #[derive(Clone, Debug)]
 pub struct MeanBrdf<'a> {
-    /// The height field.
+    /// Height field.
     pub field: &'a HeightField,
     /// Standard deviation of the coherence window \[µm\], a quarter of the coherence length.
     pub sigma: f64,
-    /// How the surface goes on beyond the patch.
+    /// Continuation of the surface beyond the patch.
     pub beyond: Beyond,
-    /// What the surface reflects.
+    /// Reflectance of the surface.
     pub reflectance: Reflectance,
 }
 
 impl<'a> MeanBrdf<'a> {
-    /// Returns the mean of copies of `field`, which reflects by `reflectance` (a number is a refractive index), in sunlight.
+    /// Returns the mean of copies of `field` with this `reflectance` (a number is a refractive index), in sunlight.
     pub fn in_sunlight(field: &'a HeightField, reflectance: impl Into<Reflectance>) -> Self {
         Self { field, sigma: SUNLIGHT_LENGTH / 4.0, beyond: Beyond::Copies, reflectance: reflectance.into() }
     }
 }
 
 impl MeanBrdf<'_> {
-    /// True if the samples hold the frequency `f` \[µm⁻¹\]: beyond 1/(2dx) the response is 0.
+    /// Returns true if the samples resolve the frequency `f` \[µm⁻¹\]: beyond 1/(2dx) the response is 0.
     pub(super) fn holds(&self, f: DVec2) -> bool {
         let [dx, dy] = self.field.pixel_size();
         f.x.abs() <= 0.5 / dx && f.y.abs() <= 0.5 / dy
@@ -45,7 +45,8 @@ impl MeanBrdf<'_> {
         Blur::of_orders(self.sigma, self.field.patch_size(), self.beyond)
     }
 
-    /// Returns ⟨|P|²⟩/A \[µm²\] at wavenumber `q` \[µm⁻¹\] for one (u, v, w), by a direct sum over all samples for each order near the frequency.
+    /// Returns ⟨|P|²⟩/A \[µm²\] at wavenumber `q` \[µm⁻¹\] for one (u, v, w), by a direct sum over all samples for each
+    /// order near the frequency.
     pub fn power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
         let f = -uvw.truncate() * q;
         if !self.holds(f) {
@@ -212,7 +213,7 @@ mod tests {
                 (windows / exact - 1.0).abs()
             };
             let errors = [1, 2, 4, 8].map(error);
-            // The windows are cut at 7σ, 2e-11 of their peak, and orders at 1e-10 of theirs.
+            // The windows are truncated at 7σ, 2e-11 of their peak, and orders at 1e-10 of theirs.
             assert!(errors[3] < 1e-8, "{directions:?}: {errors:?}");
             assert!(errors[0] > 1e-3, "one window already gives the mean: {errors:?}");
         }

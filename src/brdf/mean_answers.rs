@@ -1,4 +1,4 @@
-//! The mean over coherence areas as a [`Brdf`].
+//! Mean over coherence areas as a [`Brdf`].
 
 use super::mean::MeanBrdf;
 use super::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
@@ -10,25 +10,25 @@ use crate::optics::spectrum::{Illuminant, SHORTEST};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Pairs that are answered between two steps of a progress bar.
+/// Pairs evaluated between two steps of a progress bar.
 const AT_ONCE: usize = 4096;
 
-/// The mean from the series of the orders, to a tolerance. An answer depends on its own question alone.
+/// Mean from the series of the orders, to a tolerance. A value does not depend on other queries.
 pub struct MeanFromOrders<'a> {
     mean: MeanBrdf<'a>,
     illuminant: &'a Illuminant,
     sampling: ColourSampling,
-    // Series for wavelengths from SHORTEST/2ⁿ, made when they are first asked for, with n.
+    // Series for wavelengths from SHORTEST/2ⁿ, with n, made on first use.
     tables: Vec<(u32, TabulatedMean<'a>)>,
 }
 
 impl<'a> MeanFromOrders<'a> {
-    /// Prepares answers for `mean`, and colours under `illuminant` within the relative error `tolerance`.
+    /// Prepares the mean `mean`, with colours under `illuminant` within the relative error `tolerance`.
     pub fn new(mean: MeanBrdf<'a>, illuminant: &'a Illuminant, tolerance: f64) -> Self {
         Self { mean, illuminant, sampling: ColourSampling::within(tolerance), tables: Vec::new() }
     }
 
-    /// Returns the series for `wavelength` \[µm\]: for all visible light, or below that by octaves.
+    /// Returns the series for `wavelength` \[µm\]: for all visible light, or for shorter wavelengths by octaves.
     fn table(&mut self, wavelength: f64) -> Result<&TabulatedMean<'a>> {
         let octave = (SHORTEST / wavelength).log2().ceil().max(0.0) as u32;
         let known = self.tables.iter().position(|(known, _)| *known == octave);
@@ -75,7 +75,8 @@ fn xyz(table: &TabulatedMean<'_>, pairs: &[Pair], illuminant: &Illuminant) -> Re
     Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
 }
 
-/// The f64 reference of the mean: a direct sum for the first few single wavelengths, and the series of all orders once there are many, or for colours.
+/// F64 reference of the mean: a direct sum for the first few single wavelengths; the series of all orders for further
+/// ones, and for colours.
 pub struct MeanReference<'a> {
     mean: MeanBrdf<'a>,
     illuminant: &'a Illuminant,
@@ -85,16 +86,16 @@ pub struct MeanReference<'a> {
     too_large: bool,
 }
 
-/// Direct sums that take as long as the table of all orders.
+/// Number of direct sums that take as long as the table of all orders.
 const WORTH_A_TABLE: usize = 24;
 
 impl<'a> MeanReference<'a> {
-    /// Prepares answers for wavelengths from `shortest` \[µm\], and colours under `illuminant`.
+    /// Prepares the reference for wavelengths from `shortest` \[µm\], with colours under `illuminant`.
     pub fn new(mean: MeanBrdf<'a>, illuminant: &'a Illuminant, shortest: f64) -> Self {
         Self { mean, illuminant, shortest, answered: 0, table: None, too_large: false }
     }
 
-    /// Returns the series of all orders, made when they are first asked for.
+    /// Returns the series of all orders, made on first use.
     fn table(&mut self) -> Result<&TabulatedMean<'a>> {
         let table = match self.table.take() {
             Some(table) => table,
@@ -110,7 +111,7 @@ impl Brdf for MeanReference<'_> {
         if self.answered > WORTH_A_TABLE && !self.too_large {
             match self.table() {
                 Ok(table) => return Ok(spectral(table, pairs, wavelength)),
-                // The direct sum needs no room.
+                // The direct sum needs no memory.
                 Err(_) => self.too_large = true,
             }
         }
@@ -146,7 +147,8 @@ mod tests {
         MeanBrdf { field, sigma: 1.25, beyond: Beyond::Copies, reflectance: 1.5.into() }
     }
 
-    /// Patches of 8 × 8 samples, whose orders stand fourteen standard deviations of the blur apart: rough, and of two heights.
+    /// Returns patches of 8 × 8 samples, whose orders are fourteen standard deviations of the blur apart: rough, and of
+    /// two heights.
     fn short_patches() -> [HeightField; 2] {
         let rough = (0..64).map(|i| 0.2 * (f64::from(i) * 0.618_034).fract()).collect();
         let stepped = (0..64).map(|i| if i % 8 < 3 || i > 40 { 0.12 } else { 0.0 }).collect();
@@ -164,7 +166,7 @@ mod tests {
                 for (pair, found) in pairs.iter().zip(found) {
                     let exact = mean(&field).brdf(pair, wavelength);
                     if exact == 0.0 {
-                        // Beyond the frequencies that the samples hold.
+                        // Beyond the frequencies resolved by the samples.
                         assert_eq!(found, 0.0);
                         continue;
                     }

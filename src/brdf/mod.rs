@@ -1,4 +1,4 @@
-//! One interface to the BRDF, however it is computed.
+//! Common interface to the BRDF, independent of the method.
 
 mod direct;
 pub mod mean;
@@ -14,28 +14,28 @@ use crate::error::Result;
 use crate::optics::geometry::Pair;
 use glam::DVec3;
 
-/// A surface whose BRDF f can be asked for.
+/// Evaluation of the BRDF f of a surface.
 pub trait Brdf {
-    /// f \[sr⁻¹\] of every pair of directions at `wavelength` \[µm\], in order; 0 below the horizon.
+    /// Returns f \[sr⁻¹\] of every pair of directions at `wavelength` \[µm\], in order; 0 below the horizon.
     ///
     /// # Errors
-    /// Where the method has no single wavelengths or the device is lost.
+    /// Fails if the method has no single wavelengths or the device is lost.
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>>;
 
-    /// XYZ of f \[sr⁻¹\] of every pair of directions, in order, normalised to 1/cos θ_i for a perfect mirror image of the light; 0 below
-    /// the horizon.
+    /// Returns XYZ of f \[sr⁻¹\] of every pair of directions, in order, normalised to 1/cos θ_i for a perfect mirror
+    /// image of the light; 0 below the horizon.
     ///
     /// # Errors
-    /// Where a colour takes too many wavelengths or the device is lost.
+    /// Fails if a colour needs too many wavelengths or the device is lost.
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>>;
 
-    /// Pairs that are worth one call: few enough for a progress bar to move.
+    /// Returns the suitable number of pairs per call: few enough for a progress bar to move.
     fn batch(&self) -> usize {
         1
     }
 }
 
-/// f from f·cos θ_i; 0 below the horizon.
+/// Returns f from f·cos θ_i; 0 below the horizon.
 pub fn without_cosine(pair: &Pair, weighted: DVec3) -> DVec3 {
     if pair.above_horizon() { weighted / pair.light.z } else { DVec3::ZERO }
 }

@@ -1,4 +1,4 @@
-//! The part of a footprint in which there are directions: |u| and |v| are at most 2.
+//! Part of a footprint in which there are directions: |u| and |v| are at most 2.
 
 use super::spread::{CUT, Spread};
 use crate::filter::Covariance;
@@ -6,13 +6,14 @@ use glam::DVec2;
 use libm::erf;
 use std::f64::consts::SQRT_2;
 
-/// Share of each order's Gaussian that the directions of a footprint see.
+/// Fraction of each order's Gaussian that lies within the directions of a footprint.
 ///
-/// An order at f blurred by coherence, times a footprint about g, is along each axis a Gaussian about the mean of f and g, weighed by their inverse variances.
-/// Its part within the limits is a difference of two error functions. Without a footprint all of it is within.
+/// The product of an order at f, blurred by coherence, and a footprint about g is along each axis a Gaussian about the
+/// mean of f and g, weighted by their inverse variances. Its part within the limits is a difference of two error
+/// functions. Without a footprint the fraction is 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeenPart {
-    /// Both axes, for a footprint that reaches beyond the limits.
+    /// Both axes, if the footprint reaches beyond the limits.
     axes: Option<[SeenAxis; 2]>,
 }
 
@@ -20,21 +21,21 @@ pub(super) struct SeenPart {
 struct SeenAxis {
     /// Largest frequency of a direction \[µm⁻¹\].
     limit: f64,
-    /// Middle of the footprint \[µm⁻¹\].
+    /// Centre of the footprint \[µm⁻¹\].
     middle: f64,
-    /// Weight of an order's frequency in the mean of both; the rest is the middle's.
+    /// Weight of an order's frequency in the weighted mean; the rest is the weight of the centre.
     of_order: f64,
-    /// Standard deviation about that mean \[µm⁻¹\].
+    /// Standard deviation about the weighted mean \[µm⁻¹\].
     deviation: f64,
 }
 
 impl SeenPart {
-    /// All of every order.
+    /// The whole of every order.
     #[cfg(test)]
     pub const ALL: Self = Self { axes: None };
 
-    /// Returns the part of the footprint `around` about the frequency `middle` \[µm⁻¹\] at wavenumber `q` \[µm⁻¹\]; `spread` is what coherence and
-    /// footprint blur together.
+    /// Returns the part of the footprint `around` about the frequency `middle` \[µm⁻¹\] at wavenumber `q` \[µm⁻¹\];
+    /// `spread` is the blur by coherence and footprint together.
     pub fn new(middle: DVec2, spread: &Spread, around: &Covariance, q: f64) -> Self {
         let limit = 2.0 * q;
         let axis = |middle: f64, both: f64, footprint: f64| {
@@ -48,7 +49,7 @@ impl SeenPart {
         Self { axes: (!all).then_some(axes) }
     }
 
-    /// Returns the share of an order at the frequency `order` \[µm⁻¹\], 0 to 1.
+    /// Returns the fraction of an order at the frequency `order` \[µm⁻¹\], 0 to 1.
     pub fn share(&self, order: DVec2) -> f64 {
         match &self.axes {
             None => 1.0,
@@ -92,7 +93,8 @@ mod tests {
                 let within: f64 = places.map(product).sum();
                 let all: f64 = (-200_000..=200_000).map(|i| product(1e-4 * f64::from(i))).sum();
                 let found = seen.share(order);
-                // The sum ends halfway between places 1e-4 apart, where the density over the narrowest deviation, 0.05, is 8.
+                // The sum ends halfway between points 1e-4 apart, where the density over the narrowest deviation, 0.05,
+                // is 8.
                 assert!((found - within / all).abs() < 1e-3, "{u} {order}: {found}, {}", within / all);
             }
         }

@@ -5,25 +5,25 @@ use crate::spectra::power::Blur;
 use glam::DVec2;
 use std::f64::consts::PI;
 
-/// Orders farther from a frequency than so many standard deviations of their blur are left out: e^(−r²/2) = 1e-10.
+/// Standard deviations of the blur beyond which orders are neglected: e^(−r²/2) = 1e-10.
 pub(super) const CUT: f64 = 6.8;
-/// Distance \[orders\] within which orders are summed however far beyond [`CUT`] they are.
+/// Distance \[orders\] within which orders are summed even beyond [`CUT`].
 pub(super) const NEAREST: f64 = 2.0;
 
-/// A normal distribution over frequencies.
+/// Normal distribution over frequencies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spread {
-    /// Its covariance \[µm⁻²\].
+    /// Covariance \[µm⁻²\].
     pub xx: f64,
     pub xy: f64,
     pub yy: f64,
     determinant: f64,
-    /// Its density at 0 \[µm²\].
+    /// Density at 0 \[µm²\].
     peak: f64,
 }
 
 impl Spread {
-    /// `blur` and, at wavenumber `q` \[µm⁻¹\], the spread of directions.
+    /// Returns the sum of `blur` and, at wavenumber `q` \[µm⁻¹\], of the covariance of directions.
     pub fn new(blur: Blur, around: &Covariance, q: f64) -> Self {
         let [x, y] = blur.variance;
         Self::of(x + q * q * around.uu, q * q * around.uv, y + q * q * around.vv)
@@ -34,8 +34,8 @@ impl Spread {
         Self { xx, xy, yy, determinant, peak: 1.0 / (2.0 * PI * determinant.sqrt()) }
     }
 
-    /// The spread that together with `variance` along x and y \[µm⁻²\] makes this one, where it is at least as wide as `variance` in every
-    /// direction.
+    /// Returns the distribution whose covariance is smaller by `variance` along x and y \[µm⁻²\]; `None` unless the
+    /// result is at least as wide as `variance` in every direction.
     pub fn beyond(&self, variance: [f64; 2]) -> Option<Self> {
         let [x, y] = variance;
         let (left_x, left_y) = (self.xx - 2.0 * x, self.yy - 2.0 * y);
@@ -43,21 +43,22 @@ impl Spread {
         wider.then(|| Self::of(self.xx - x, self.xy, self.yy - y))
     }
 
-    /// Its density at `d` \[µm²\].
+    /// Returns the density at `d` \[µm²\].
     pub fn density(&self, d: DVec2) -> f64 {
         let squares = self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y;
         self.peak * (-0.5 * squares / self.determinant).exp()
     }
 
-    /// Calls `each` with a number from 0 on and the density \[µm²\] at `from`, and then every `step` along x, `count` in all.
+    /// Calls `each` with an index from 0 and the density \[µm²\] for `count` points, from `from` in steps of `step`
+    /// along x.
     pub fn densities(&self, from: DVec2, step: f64, count: usize, mut each: impl FnMut(usize, f64)) {
-        /// Fewer are computed one by one, however far from the middle they are.
+        /// Up to this number densities are computed one by one.
         const FEW: usize = 6;
         if count <= FEW {
             (0..count).for_each(|k| each(k, self.density(from + DVec2::new(k as f64 * step, 0.0))));
             return;
         }
-        // Each is the one before times a factor that itself grows by a constant one.
+        // Each density is the previous one times a factor, which itself changes by a constant factor.
         let along = (self.yy * (2.0 * from.x + step) - 2.0 * self.xy * from.y) * step;
         let mut factor = (-0.5 * along / self.determinant).exp();
         let growth = (-self.yy * step * step / self.determinant).exp();
@@ -69,8 +70,8 @@ impl Spread {
         }
     }
 
-    /// Returns the x, relative to the centre, between which a row `y` is within [`CUT`] standard deviations, or within `nearest` of its
-    /// brightest place.
+    /// Returns the range of x, relative to the centre, in which a row `y` is within [`CUT`] standard deviations, or
+    /// within `nearest` of its maximum.
     pub fn row(&self, y: f64, nearest: f64) -> [f64; 2] {
         let left = (CUT * CUT - y * y / self.yy).max(0.0);
         let middle = y * self.xy / self.yy;

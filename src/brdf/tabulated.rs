@@ -1,5 +1,5 @@
-//! The mean over coherence areas in f64 for many directions: Fourier transforms at Chebyshev nodes in z give every order's power, and a direction sums
-//! the few orders around it.
+//! Mean over coherence areas in f64 for many directions: Fourier transforms at Chebyshev nodes in z give the power of
+//! every order, and a direction sums the few orders around it.
 
 use super::mean::MeanBrdf;
 use super::seen_part::SeenPart;
@@ -23,36 +23,38 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-/// Nodes in z beyond those that the height range asks for: the interpolation error falls below 1e-8 on every surface of the tests.
+/// Nodes in z in addition to those required by the height range: the interpolation error falls below 1e-8 on every
+/// surface of the tests.
 const MORE_NODES: usize = 16;
 
-/// Orders that are summed.
+/// Orders to sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SummedOrders {
-    /// All of them.
+    /// All orders.
     All,
-    /// All but the specular one.
+    /// All but the specular order.
     Scattered,
 }
 
-/// Wavelengths that colours are summed over.
+/// Sampling of wavelengths for colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColourSampling {
     /// Level of the coherence function beyond which the colour integral may alias.
     pub alias_level: f64,
-    /// Wavelengths that the colour functions alone take.
+    /// Wavelengths required by the colour functions alone.
     pub nodes: usize,
 }
 
 impl ColourSampling {
-    /// Sampling of the reference: with 101 wavelengths, colours of *Elaphe* in the specular direction differ from 401 by 1.6e-6.
+    /// Sampling of the reference: with 101 wavelengths, colours of *Elaphe* in the specular direction differ from 401
+    /// by 1.6e-6.
     pub const EXACT: Self = Self { alias_level: 1e-9, nodes: 128 };
 
-    /// Returns the sampling that keeps the relative error of each colour well below `tolerance`, dark ones included.
+    /// Returns the sampling that keeps the relative error of each colour well below `tolerance`, including dark ones.
     pub fn within(tolerance: f64) -> Self {
         /// Wavelengths of the colour functions alone for a relative error of 1e-3.
         const NODES: usize = 64;
-        /// Tolerance from which on the sampling of the reference is asked for.
+        /// Tolerance at or below which the sampling of the reference is used.
         const SMALL: f64 = 1e-3;
         if tolerance <= SMALL {
             Self::EXACT
@@ -62,12 +64,13 @@ impl ColourSampling {
     }
 }
 
-/// The mean with every order's power as a Chebyshev series in z. Its power differs from the direct sum by less than 1e-5.
+/// Mean with the power of every order as a Chebyshev series in z. Its power differs from the direct sum by less than
+/// 1e-5.
 pub struct TabulatedMean<'a> {
     mean: MeanBrdf<'a>,
     sampling: ColourSampling,
     series: OrderSeries,
-    // Made when an average over many orders is first asked for.
+    // Made for the first average over many orders.
     pyramid: OnceLock<Pyramid>,
 }
 
@@ -75,7 +78,7 @@ impl<'a> TabulatedMean<'a> {
     /// Tabulates the powers of all orders of `mean` for wavelengths from `shortest` \[µm\].
     ///
     /// # Errors
-    /// Too little memory; errors of `progress`.
+    /// Fails if there is not enough memory, or with the error of `progress`.
     pub fn new(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
         Self::with_sampling(mean, shortest, ColourSampling::EXACT, progress)
     }
@@ -83,7 +86,7 @@ impl<'a> TabulatedMean<'a> {
     /// Tabulates the powers of all orders, for colours by `sampling`.
     ///
     /// # Errors
-    /// As [`TabulatedMean::new`].
+    /// Same as [`TabulatedMean::new`].
     pub fn with_sampling(
         mean: MeanBrdf<'a>,
         shortest: f64,
@@ -112,7 +115,7 @@ impl<'a> TabulatedMean<'a> {
         specular + self.scattered_power(uvw, q, around)
     }
 
-    /// Returns the same without the specular order.
+    /// Returns the power without the specular order.
     pub fn scattered_power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
         let f = -uvw.truncate() * q;
         let z = 2.0 * PI * q * uvw.z.abs();
@@ -124,7 +127,7 @@ impl<'a> TabulatedMean<'a> {
         z * z * self.blurred(f, &spread, &seen, &self.polynomials_at(z))
     }
 
-    /// Returns |c_0|² at wavenumber `q` \[µm⁻¹\], the specular order's share of the power.
+    /// Returns |c_0|² at wavenumber `q` \[µm⁻¹\], the power of the specular order.
     pub fn specular_order(&self, uvw: DVec3, q: f64) -> f64 {
         let z = 2.0 * PI * q * uvw.z.abs();
         if z > self.series.z_max * (1.0 + 1e-9) {
@@ -139,7 +142,7 @@ impl<'a> TabulatedMean<'a> {
         t.into_iter().map(|t| t as f32).collect()
     }
 
-    /// Returns Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z, γ̂ being `spread`, of which the part `seen` counts.
+    /// Returns Σ_m |c_m|²/z² γ̂(f − m/T) for the polynomials `t` of z. γ̂ is `spread`, weighted by the part `seen`.
     fn blurred(&self, f: DVec2, spread: &Spread, seen: &SeenPart, t: &[f32]) -> f64 {
         let [width, height] = self.series.grid.patch;
         let beyond = |[x, y]: [f64; 2]| spread.beyond([x / (width * width), y / (height * height)]);
@@ -158,8 +161,8 @@ impl<'a> TabulatedMean<'a> {
         }
     }
 
-    /// Sums the points of `level` under `spread` about `f`, for the polynomials `t` of z. The orders nearest to `f` always count: between
-    /// those of a short patch there is nothing but what they leave.
+    /// Sums the points of `level` under `spread` about `f`, for the polynomials `t` of z. The orders nearest to `f` are
+    /// always included: between the orders of a short patch the tails of these are all there is.
     fn sum(&self, f: DVec2, spread: &Spread, seen: &SeenPart, t: &[f32], level: &PyramidLevel<'_>) -> f64 {
         let step = level.grid.step;
         let points = DVec2::from_array(self.series.grid.patch) / DVec2::from_array(step);
@@ -196,10 +199,11 @@ impl<'a> TabulatedMean<'a> {
         reflectance * cosine_weighted(pair, wavelength, 1.0, power(pair.uvw(), 1.0 / wavelength))
     }
 
-    /// Returns XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over the covariance beside it, by these `orders`.
+    /// Returns XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over its covariance, by these
+    /// `orders`.
     ///
     /// # Errors
-    /// What `progress` returns.
+    /// Fails with the error of `progress`.
     pub fn xyz(
         &self,
         illuminant: &Illuminant,
@@ -230,12 +234,12 @@ impl<'a> TabulatedMean<'a> {
         Ok(colours)
     }
 
-    /// Returns XYZ of the light that the surface sends toward `view` of surroundings of radiance 1, by the specular order alone.
+    /// Returns XYZ of the light reflected toward `view` by the specular order from surroundings of radiance 1.
     pub fn mirrored(&self, illuminant: &Illuminant, views: &[DVec3]) -> Vec<DVec3> {
         let wavelengths = Wavelengths::catmull_rom(illuminant, self.sampling.nodes);
         let of = |view: &DVec3| {
             let pair = Pair::new(DVec3::new(-view.x, -view.y, view.z), *view);
-            // The density of the lobe over (u, v) has the integral 1/q², and du dv = cos θ_i dω_i.
+            // The integral of the lobe's density over (u, v) is 1/q², and du dv = cos θ_i dω_i.
             let power = |uvw: DVec3, q: f64| self.specular_order(uvw, q) / (q * q);
             wavelengths.integral(|wavelength| self.weighted(&pair, wavelength, power))
                 / view.z.max(f64::MIN_POSITIVE)
@@ -243,12 +247,13 @@ impl<'a> TabulatedMean<'a> {
         views.par_iter().map(of).collect()
     }
 
-    /// Returns the number of wavelengths that resolve the response along the ray of `pair`, rounded up to a ladder of few counts.
+    /// Returns the number of wavelengths that resolve the response along the ray of `pair`, rounded up to one of few
+    /// counts.
     fn colour_nodes(&self, pair: &Pair, around: &Covariance) -> usize {
-        /// Counts grow by this factor, so that few sets of weights serve all directions.
+        /// Ratio between counts, so that few sets of weights serve all directions.
         const STEP: f64 = 1.1;
         let uv = pair.uvw().truncate();
-        // Straight at the specular direction every wavelength reads the same place.
+        // In the specular direction every wavelength reads the same point.
         let along = uv.try_normalize().unwrap_or(DVec2::X);
         let q = 1.0 / LONGEST;
         let spread = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
@@ -261,14 +266,14 @@ impl<'a> TabulatedMean<'a> {
         STEP.powf((count.ln() / STEP.ln()).ceil()) as usize
     }
 
-    /// Returns the shortest wavelength that is held \[µm\].
+    /// Returns the shortest tabulated wavelength \[µm\].
     pub fn shortest(&self) -> f64 {
         4.0 * PI / self.series.z_max
     }
 }
 
-/// Returns Σ a b by eight partial sums, so that the loop runs on vector registers. Loops rather than sums of iterators, which a development build does
-/// not inline.
+/// Returns Σ a b by eight partial sums, so that the loop uses vector registers. It is written as loops because a
+/// development build does not inline sums of iterators.
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     let (a8, a) = as_arrays::<8, f32>(a);
     let (b8, b) = as_arrays::<8, f32>(b);
@@ -322,7 +327,7 @@ mod tests {
             let heights = (0..width * height).map(|i| 0.15 * ((i * 37 % 101) as f64 * 0.7).sin()).collect();
             HeightField::new(width, height, [0.25; 2], heights).unwrap()
         };
-        // Of samples 0.25 µm apart the orders wrap around, and may be odd in number.
+        // With samples 0.25 µm apart the orders wrap around, and their number may be odd.
         for field in [elaphe(0.1), elaphe(0.25), rough(48, 34), rough(49, 33)] {
             let name = (field.columns(), field.rows());
             let mean = MeanBrdf::in_sunlight(&field, 1.5);
@@ -359,7 +364,8 @@ mod tests {
                             let uvw = pair(directions).uvw();
                             let direct = mean.power(uvw, 1.0 / wavelength, &around);
                             let fast = table.power(uvw, 1.0 / wavelength, &around);
-                            // Relative to the mean density of power, 1 over the band, where the value itself is fainter.
+                            // Relative to the mean density of power, 1 over the band, where the value itself is
+                            // smaller.
                             assert!(
                                 (fast - direct).abs() <= 1e-5 * direct + 1e-9,
                                 "{beyond:?} {directions:?} {wavelength}: {fast} {direct}"

@@ -1,4 +1,4 @@
-//! What the cache folder holds, and how it stays within its limit.
+//! Contents of the cache folder, and its limit.
 
 use super::folder;
 use crate::error::Result;
@@ -9,15 +9,15 @@ use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-/// What the cache folder holds.
+/// Contents of the cache folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Contents {
-    /// Number and bytes of each kind of result, by the kind's name.
+    /// Number and bytes of the results of each kind, by the kind's name.
     pub kinds: BTreeMap<String, Usage>,
 }
 
 impl Contents {
-    /// Number and bytes of all kinds.
+    /// Returns number and bytes of all kinds.
     pub fn total(&self) -> Usage {
         self.kinds.values().fold(Usage::default(), |all, kind| Usage {
             files: all.files + kind.files,
@@ -26,16 +26,16 @@ impl Contents {
     }
 }
 
-/// How much results of a kind take.
+/// Disk usage of the results of a kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Usage {
     /// Number of files.
     pub files: u64,
-    /// Their sizes together \[bytes\].
+    /// Total size \[bytes\].
     pub bytes: u64,
 }
 
-/// A kept result.
+/// Cached result.
 struct CacheEntry {
     path: PathBuf,
     kind: String,
@@ -43,8 +43,8 @@ struct CacheEntry {
     used: SystemTime,
 }
 
-/// The kind of a result whose file is called `name`: 64 hexadecimal digits, a dot, lower-case letters. Results of former
-/// versions have such names, too. Whatever else is in the folder is not ours.
+/// Returns the kind of a result whose file is called `name`: 64 hexadecimal digits, a dot, lower-case letters. Results of former versions
+/// have such names, too. Other files in the folder are not ours.
 fn kind_of(name: &str) -> Option<&str> {
     const DIGITS: usize = 2 * blake3::OUT_LEN;
     let (digits, kind) = name.split_once('.')?;
@@ -54,16 +54,16 @@ fn kind_of(name: &str) -> Option<&str> {
     (is_key && is_kind).then_some(kind)
 }
 
-/// All results in `folder`. Links and everything else that is no regular file are left alone.
+/// Returns all results in `folder`. Links and everything else that is no regular file are left alone.
 fn entries(folder: &Path) -> std::io::Result<Vec<CacheEntry>> {
     let now = SystemTime::now();
     let entry = |file: fs::DirEntry| {
         let name = file.file_name();
         let kind = kind_of(name.to_str()?)?.to_owned();
-        // Of the entry itself: a link is a link.
+        // Metadata of the entry itself: a link is not followed.
         let metadata = file.metadata().ok().filter(Metadata::is_file)?;
         let used = metadata.accessed().unwrap_or(SystemTime::UNIX_EPOCH);
-        // A time in the future says that a clock was wrong, not that the file was used last.
+        // A time in the future means a wrong clock, not that the file was used last.
         let used = if used > now { SystemTime::UNIX_EPOCH } else { used };
         Some(CacheEntry { path: file.path(), kind, bytes: metadata.len(), used })
     };
@@ -80,12 +80,12 @@ fn summary(entries: &[CacheEntry]) -> Contents {
     Contents { kinds }
 }
 
-/// What `folder` holds; nothing where it does not exist.
+/// Returns the contents of `folder`; nothing if it does not exist.
 pub(super) fn read(folder: &Path) -> Result<Contents> {
     Ok(summary(&listed(folder)?))
 }
 
-/// Removes all results and stale temporary files, and says what the results were.
+/// Removes all results and stale temporary files, and returns the former contents.
 pub(super) fn clear(folder: &Path) -> Result<Contents> {
     let entries = listed(folder)?;
     for entry in &entries {
@@ -108,25 +108,25 @@ fn listed(folder: &Path) -> Result<Vec<CacheEntry>> {
     entries(folder).map_err(|e| output::write_failed(folder, &e))
 }
 
-/// Removes the least recently used results of `folder` until those that are left take at most `most` bytes; `replaced` does
-/// not count, because it is about to be replaced.
+/// Removes the least recently used results of `folder` until the remaining ones take at most `most` bytes; `replaced` does not count,
+/// because it is about to be replaced.
 pub(super) fn make_room(folder: &Path, most: u64, replaced: &Path) {
     let mut entries = entries(folder).unwrap_or_default();
     entries.retain(|entry| entry.path != replaced);
-    // Last used first; the name decides between equals, so that the order is the same everywhere.
+    // Last used first; names break ties, so that the order is the same everywhere.
     entries.sort_by(|a, b| Reverse(a.used).cmp(&Reverse(b.used)).then_with(|| a.path.cmp(&b.path)));
     let mut kept = 0u64;
     for entry in entries {
         kept = kept.saturating_add(entry.bytes);
         if kept > most {
-            // Another process may have been faster.
+            // Another process may have removed the file already.
             let _ = fs::remove_file(&entry.path);
         }
     }
 }
 
-/// Removes temporary files that programs left which were killed while they wrote. A file that is being written is locked;
-/// one that was made just now may not be locked yet.
+/// Removes temporary files of programs that were killed while they wrote. A file that is being written is locked; a new one may not be
+/// locked yet.
 pub(super) fn sweep(folder: &Path) {
     const JUST_NOW: Duration = Duration::from_secs(60);
     for file in fs::read_dir(folder).into_iter().flatten().flatten() {

@@ -1,5 +1,5 @@
-//! The file of a kept result: magic, key, length of the header \[bytes, u64, little endian\], header (JSON), payload (raw
-//! numbers in this machine's byte order), BLAKE3 of everything before it.
+//! File of a cached result: magic, key, length of the header \[bytes, u64, little endian\], header (JSON), payload (raw numbers in this
+//! machine's byte order), BLAKE3 of everything before it.
 
 use super::key::{EntryFormat, Key};
 use crate::error::{Error, Result};
@@ -10,24 +10,24 @@ use std::io::{self, Read, Write};
 
 /// First bytes of every file; the number changes with the layout of files.
 const MAGIC: &[u8; 16] = b"diffract cache 1";
-/// Bytes of a key and of a check sum.
+/// Size of a key and of a check sum \[bytes\].
 const HASH: usize = blake3::OUT_LEN;
-/// Bytes in front of the header.
+/// Size of the part in front of the header \[bytes\].
 const PREAMBLE: usize = MAGIC.len() + HASH + size_of::<u64>();
-/// Most bytes of a header.
+/// Largest size of a header \[bytes\].
 const LARGEST_HEADER: u64 = 1 << 20;
-/// Most bytes of a file beside its payload.
+/// Largest size of a file without its payload \[bytes\].
 pub(super) const LARGEST_OVERHEAD: u64 = PREAMBLE as u64 + LARGEST_HEADER + HASH as u64;
-/// From here on hashing is worth several threads, by the documentation of `blake3`.
+/// Size from which hashing by several threads pays off \[bytes\], by the documentation of `blake3`.
 const MANY_BYTES: usize = 128 << 10;
 
-/// What stands in front of the payload, beside the key.
+/// Header of a file in front of the payload, after the key.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Envelope<H> {
     format: String,
     version: u32,
-    /// Marks the byte order of the payload: 1 as it is stored by this machine.
+    /// Mark of the payload's byte order: a 1 in the byte order of the machine that wrote it.
     order: [u8; 2],
     payload_bytes: u64,
     header: H,
@@ -43,7 +43,7 @@ pub(super) struct Head {
 }
 
 impl Head {
-    /// The head of a file of `key` with `header` and `payload`.
+    /// Returns the head of a file of `key` with `header` and `payload`.
     pub(super) fn new(
         format: &EntryFormat,
         key: &Key,
@@ -68,7 +68,7 @@ impl Head {
         Ok(Self { bytes: bytes.concat(), payload })
     }
 
-    /// Bytes of the whole file.
+    /// Returns the size of the whole file \[bytes\].
     pub(super) fn file_bytes(&self) -> u64 {
         self.bytes.len() as u64 + self.payload + HASH as u64
     }
@@ -85,8 +85,7 @@ pub(super) fn write(file: &mut impl Write, head: &Head, payload: &[&[u8]]) -> io
     file.flush()
 }
 
-/// A file of `key` with `header` as its header, whatever that is, with `payload` and the check sum that belongs to them:
-/// what an attacker would leave in the folder who knows the format.
+/// Returns a file of `key` with any `header` and `payload`, and their correct check sum: a forged file by an attacker who knows the format.
 pub fn seal(format: &EntryFormat, key: &Key, header: &serde_json::Value, payload: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     if let Ok(head) = Head::new(format, key, header, &[payload]) {
@@ -96,7 +95,7 @@ pub fn seal(format: &EntryFormat, key: &Key, header: &serde_json::Value, payload
     file
 }
 
-/// The result in the next `size` bytes of `file`, made by `build`; see [`super::Store::load`].
+/// Reads the result in the next `size` bytes of `file`, made by `build`; see [`super::Store::load`].
 pub fn read<H: DeserializeOwned, T>(
     file: &mut impl Read,
     size: u64,
@@ -138,7 +137,7 @@ pub fn read<H: DeserializeOwned, T>(
     (left == 0 && hasher.finalize() == sum).then_some(built)
 }
 
-/// The payload of a file, read part by part in order.
+/// Payload of a file, read part by part in order.
 pub struct Payload<'a> {
     file: &'a mut dyn Read,
     left: u64,
@@ -146,13 +145,13 @@ pub struct Payload<'a> {
 }
 
 impl Payload<'_> {
-    /// Bytes that are not read yet.
+    /// Returns the number of bytes that are not read yet.
     pub fn left(&self) -> u64 {
         self.left
     }
 
-    /// The next `count` numbers; `None` where fewer are left or memory for them cannot be had. Takes no more memory than
-    /// the file is long.
+    /// Reads the next `count` numbers; `None` if fewer are left or memory for them cannot be had. Takes no more memory than the file is
+    /// long.
     pub fn take<T: Pod>(&mut self, count: usize) -> Option<Vec<T>> {
         let bytes = count.checked_mul(size_of::<T>()).and_then(|n| u64::try_from(n).ok())?;
         if bytes > self.left {
@@ -165,12 +164,12 @@ impl Payload<'_> {
         Some(numbers)
     }
 
-    /// The next `count` numbers of 16 bits; `None` as [`Payload::take`], and where one of them is not finite.
+    /// Reads the next `count` numbers of 16 bits; `None` in the cases of [`Payload::take`], and if one of the numbers is not finite.
     pub fn take_halves(&mut self, count: usize) -> Option<Vec<f16>> {
         self.take::<f16>(count).filter(|numbers| numbers.iter().all(|x| x.is_finite()))
     }
 
-    /// Reads `numbers` from the next bytes; `None` where fewer are left.
+    /// Reads `numbers` from the next bytes; `None` if fewer are left.
     pub fn fill<T: Pod>(&mut self, numbers: &mut [T]) -> Option<()> {
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(numbers);
         self.left = self.left.checked_sub(bytes.len() as u64)?;

@@ -1,15 +1,15 @@
-//! The cache folder: its owner's alone, and no link in it followed.
+//! Cache folder: accessible to its owner alone; no link in it is followed.
 
 use crate::error::{Error, Result};
 use crate::output;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-/// Read, write and enter for the owner alone.
+/// Permissions to read, write and enter for the owner alone.
 #[cfg(unix)]
 const OWNER_ONLY: u32 = 0o700;
 
-/// `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` where the user has neither.
+/// Returns `$XDG_CACHE_HOME/diffract`, else `~/.cache/diffract`; `None` if neither variable is set.
 pub(super) fn of_user() -> Option<PathBuf> {
     let absolute = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
     absolute("XDG_CACHE_HOME")
@@ -17,10 +17,10 @@ pub(super) fn of_user() -> Option<PathBuf> {
         .map(|base| base.join("diffract"))
 }
 
-/// Makes `folder` where it does not exist, and sees that it is the user's alone.
+/// Creates `folder` if it does not exist, and closes it to other users.
 ///
 /// # Errors
-/// Where it cannot be made, or as [`check`].
+/// A folder that cannot be created; those of [`check`].
 pub(super) fn prepare(folder: &Path) -> Result<()> {
     let mut builder = fs::DirBuilder::new();
     builder.recursive(true);
@@ -30,10 +30,10 @@ pub(super) fn prepare(folder: &Path) -> Result<()> {
     check(folder)
 }
 
-/// Sees that `folder` is a folder of this user, and closes it to everyone else.
+/// Checks that `folder` is a folder of this user, and closes it to everyone else.
 ///
 /// # Errors
-/// Where it does not exist, is a link or another kind of file, belongs to another user, or cannot be closed.
+/// A folder that does not exist, is a link or another kind of file, belongs to another user, or cannot be closed.
 pub(super) fn check(folder: &Path) -> Result<()> {
     let found = fs::symlink_metadata(folder).map_err(|e| output::write_failed(folder, &e))?;
     let refuse = |what: &str| {
@@ -48,7 +48,7 @@ pub(super) fn check(folder: &Path) -> Result<()> {
         if found.uid() != rustix::process::geteuid().as_raw() {
             return refuse("belongs to another user");
         }
-        // Nobody else can put links or files there.
+        // A closed folder keeps others from putting links or files there.
         if found.mode() & 0o777 != OWNER_ONLY {
             let closed = fs::set_permissions(folder, fs::Permissions::from_mode(OWNER_ONLY));
             closed.map_err(|e| output::write_failed(folder, &e))?;
@@ -57,7 +57,7 @@ pub(super) fn check(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The file `path`, open for reading, if it is a regular file and no link to one.
+/// Opens the file `path` for reading, if it is a regular file and no link to one.
 pub(super) fn open_regular(path: &Path) -> Option<File> {
     let mut options = fs::OpenOptions::new();
     options.read(true);

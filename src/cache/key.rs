@@ -1,28 +1,28 @@
-//! Names of kept results: a hash of everything that they depend on.
+//! Keys of cached results: a hash of everything that they depend on.
 
 use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use serde::Serialize;
 
-/// A kind of kept result.
+/// Kind of cached result, with the version of its files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EntryFormat {
-    /// Its name in the plural, which is the extension of its files: lower-case letters and `-`.
+    /// Name in the plural, which is the extension of the files: lower-case letters and `-`.
     pub name: &'static str,
-    /// Changes whenever the result of the same settings would change.
+    /// Version, which changes whenever the result of the same settings would change.
     pub version: u32,
 }
 
-/// The key of a result.
+/// Key of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Key(blake3::Hash);
 
 impl Key {
-    /// The key of the result of `format` that `settings` and `field` lead to.
+    /// Returns the key of the result of `format` for `settings` and `field`.
     ///
-    /// `settings` are hashed as JSON: every field that they serialise counts, by its name and its exact value. A new field
-    /// of a struct that derives `Serialize` changes the key without any change here. Numbers that are not finite count as
-    /// absent, so that a setting may use only one of them.
+    /// `settings` are hashed as JSON: every field that they serialise counts, by its name and its exact value. A new field of a struct that
+    /// derives `Serialize` changes the key without any change here. Numbers that are not finite count as absent, so that a setting may use
+    /// only one of them.
     ///
     /// # Errors
     /// Settings that JSON cannot hold, such as maps whose keys are no text.
@@ -40,12 +40,12 @@ impl Key {
         Ok(Self(hasher.finalize()))
     }
 
-    /// A key of `name` alone, for readers that are tested without settings.
+    /// Returns a key of `name` alone, for tests of readers without settings.
     pub fn named(name: &str) -> Self {
         Self(blake3::hash(name.as_bytes()))
     }
 
-    /// 64 hexadecimal digits.
+    /// Returns 64 hexadecimal digits.
     pub fn to_hex(&self) -> impl std::fmt::Display + use<> {
         self.0.to_hex()
     }

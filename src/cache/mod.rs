@@ -1,4 +1,4 @@
-//! Results of long computations kept on disk, so that the next run need not repeat them.
+//! Cache on disk for the results of long computations.
 //!
 //! One folder, `$XDG_CACHE_HOME/diffract` or `~/.cache/diffract`, holds all of them. A [`EntryFormat`] names a kind of result
 //! and its version, a [`Key`] is a hash of everything that a result depends on, and a [`Store`] loads and saves.
@@ -29,22 +29,22 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
-/// Most bytes that the folder holds unless [`set_limit`] says otherwise: 2 GiB.
+/// Default limit of the folder's size \[bytes\], 2 GiB; see [`set_limit`].
 pub const DEFAULT_LIMIT: u64 = 2 << 30;
 
-/// Permissions of kept files.
+/// Permissions of cached files.
 const OWNER_ONLY: u32 = 0o600;
 
-/// The limit of this process; see [`set_limit`].
+/// Limit of this process; see [`set_limit`].
 static LIMIT: OnceLock<u64> = OnceLock::new();
 
-/// Sets the limit of every [`Store`] that this process opens from now on \[bytes\]; 0 keeps nothing. The folder and its
-/// limit belong to the process, like its environment. Only the first call counts.
+/// Sets the limit of every [`Store`] that this process opens from now on \[bytes\]; 0 turns the cache off. The folder and its limit belong
+/// to the process, like its environment. Only the first call counts.
 pub fn set_limit(bytes: u64) {
     let _ = LIMIT.set(bytes);
 }
 
-/// The cache folder and its limit.
+/// Cache folder and its limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Store {
     folder: PathBuf,
@@ -52,7 +52,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// The store of this process; `None` where nothing is to be kept or the user has no home.
+    /// Opens the store of this process; `None` if the limit is 0 or the user has no home.
     pub fn open() -> Option<Self> {
         let limit = *LIMIT.get_or_init(|| DEFAULT_LIMIT);
         if limit == 0 {
@@ -61,29 +61,28 @@ impl Store {
         folder::of_user().map(|folder| Self::at(folder, limit))
     }
 
-    /// A store in `folder` that holds at most `limit` bytes.
+    /// Returns a store in `folder` that holds at most `limit` bytes.
     pub fn at(folder: impl Into<PathBuf>, limit: u64) -> Self {
         Self { folder: folder.into(), limit }
     }
 
-    /// The folder, which need not exist yet.
+    /// Returns the folder, which need not exist yet.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Where the result of `key` is kept.
+    /// Returns the path of the result of `key`.
     pub fn path(&self, format: &EntryFormat, key: &Key) -> PathBuf {
         self.folder.join(format!("{}.{}", key.to_hex(), format.name))
     }
 
-    /// The result of `key`, made by `build` from the header and the payload of its file.
+    /// Loads the result of `key`, made by `build` from the header and the payload of its file.
     ///
-    /// `build` runs before the check sum is compared, and a forged file may have a right one: it must check every number
-    /// that it uses, and take memory through [`Payload`] only. It has to read the payload to its end. Loading marks the
-    /// file as used.
+    /// `build` runs before the check sum is compared, and a forged file may have a correct one: it must check every number that it uses,
+    /// and take memory through [`Payload`] only. It has to read the payload to its end. Loading marks the file as used.
     ///
-    /// `None` where there is no such file, or one that is damaged, that `build` refuses, whose payload is larger than
-    /// `memory_limit` bytes or than the memory that is free.
+    /// `None` if there is no such file, or one that is damaged, that `build` refuses, whose payload is larger than `memory_limit` bytes or
+    /// than the memory that is free.
     pub fn load<H: DeserializeOwned, T>(
         &self,
         format: &EntryFormat,
@@ -99,17 +98,16 @@ impl Store {
         }
         memory::ensure_room(size, "what is kept").ok()?;
         let built = read(&mut file, size, format, key, memory_limit, build)?;
-        // A file that cannot be marked is only forgotten earlier. When it was written stays.
+        // A file that cannot be marked is only removed earlier. The time of writing stays.
         let _ = file.set_times(FileTimes::new().set_accessed(SystemTime::now()));
         Some(built)
     }
 
-    /// Keeps `header` and the concatenation of `payload` as the result of `key`. Makes room first, at the expense of the
-    /// least recently used files.
+    /// Stores `header` and the concatenation of `payload` as the result of `key`. Makes room first, at the expense of the least recently
+    /// used files.
     ///
     /// # Errors
-    /// Where the file is larger than the limit, where the folder is not the user's alone, where the file cannot be
-    /// written. The result itself is still good.
+    /// A file larger than the limit, a folder that is open to others, a file that cannot be written. The result itself is still good.
     pub fn save(
         &self,
         format: &EntryFormat,
@@ -135,7 +133,7 @@ impl Store {
         contents::make_room(&self.folder, self.limit - size, &place);
         let failed = |e: std::io::Error| output::write_failed(&self.folder, &e);
         let mut draft = output::Draft::new(&self.folder, OWNER_ONLY).map_err(failed)?;
-        // Held while the file is written: a sweep takes only temporary files that nobody holds.
+        // Lock held while the file is written: a sweep removes only temporary files without a lock.
         let _ = draft.file().try_lock();
         let mut writer = BufWriter::new(draft.file());
         file::write(&mut writer, &head, payload).map_err(failed)?;
@@ -144,18 +142,18 @@ impl Store {
         Ok(())
     }
 
-    /// What the folder holds.
+    /// Returns the contents of the folder.
     ///
     /// # Errors
-    /// Where the folder cannot be read, or is not the user's alone.
+    /// A folder that cannot be read, or is open to others.
     pub fn contents(&self) -> Result<Contents> {
         contents::read(&self.folder)
     }
 
-    /// Removes every kept result, and says what they were.
+    /// Removes every cached result, and returns the former contents.
     ///
     /// # Errors
-    /// As [`Store::contents`], and where a file cannot be removed.
+    /// Those of [`Store::contents`]; a file that cannot be removed.
     pub fn clear(&self) -> Result<Contents> {
         contents::clear(&self.folder)
     }

@@ -9,7 +9,7 @@ use crate::optics::coherence::Windows;
 use crate::setup::Method;
 use crate::spectra::amplitude::expansion::Basis;
 
-/// Candidates without --tolerance, of each method the most accurate first. Tables of smaller tolerances do not fit usual devices.
+/// Candidates without --tolerance, the most accurate of each method first. Tables of smaller tolerances do not fit usual devices.
 const CANDIDATES: [(Method, f64); 7] = [
     (Method::Spectral, 1e-3),
     (Method::Spectral, 1e-2),
@@ -19,7 +19,7 @@ const CANDIDATES: [(Method, f64); 7] = [
     (Method::Table, 5e-2),
     (Method::Table, 1e-1),
 ];
-/// Number of frames that a candidate is timed with, and the seconds after which no further frame is begun.
+/// Number of timed frames of a candidate; no frame is begun after this many seconds.
 const FRAMES: usize = 5;
 const SECONDS: f64 = 1.0;
 
@@ -27,17 +27,17 @@ const SECONDS: f64 = 1.0;
 pub struct TunedSetting {
     /// The options of the setting.
     pub options: BenchmarkOptions,
-    /// The same as command line options.
+    /// Command line options of the setting.
     pub flags: String,
-    /// Whether it keeps the frame rate; otherwise it is the fastest candidate.
+    /// True if the setting keeps the frame rate; otherwise it is the fastest candidate.
     pub keeps: bool,
 }
 
-/// Finds the most accurate setting that draws `fps` frames a second of `scene`. Method, basis and tolerance that `options` name
-/// are kept. Reports each candidate on stderr.
+/// Finds the most accurate setting that draws `fps` frames a second of `scene`. Method, basis and tolerance that `options` name are kept.
+/// Reports each candidate on stderr.
 ///
 /// # Errors
-/// When no candidate can be drawn.
+/// No candidate that can be drawn.
 pub fn tune(fps: f64, scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<TunedSetting> {
     let mut fastest: Option<(f64, TunedSetting)> = None;
     let mut refused = None;
@@ -64,7 +64,7 @@ pub fn tune(fps: f64, scene: &BenchmarkScene, options: &BenchmarkOptions) -> Res
     fastest.map(|(_, setting)| setting).ok_or_else(|| refused.unwrap_or_else(none))
 }
 
-/// The candidates, the most accurate first.
+/// Returns the candidates, the most accurate first.
 fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
     let optics = &options.optics;
     let settings: Vec<(Method, f64)> = match optics.tolerance {
@@ -84,14 +84,14 @@ fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
     settings.into_iter().filter(|(known, _)| *known == method).map(with).collect()
 }
 
-/// Frames a second of a setting.
+/// Measures the frames a second of a setting.
 fn frame_rate(scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<f64> {
-    let mut painter = scene.prepare(options)?.painter;
-    let times = measure(&mut painter, &scene.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let mut renderer = scene.prepare(options)?.renderer;
+    let times = measure(&mut renderer, &scene.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
     Ok(1e3 / times.frame.p50)
 }
 
-/// A setting as command line options.
+/// Returns a setting as command line options.
 fn flags(own: &BenchmarkOptions) -> String {
     let tolerance = format!("--tolerance {:e}", own.optics.tolerance());
     match (own.optics.method(), own.optics.basis) {

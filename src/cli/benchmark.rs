@@ -17,10 +17,10 @@ use crate::render::frame::{Shown, View};
 use crate::render::grooves::GrooveDirections;
 use crate::render::light_passes::LightPass;
 use crate::render::object::{ObjectData, ObjectSources};
-use crate::render::picture::{Painter, Picture};
 use crate::render::pigment::Pigment;
 use crate::render::rays::{RayObject, RayScene, RaySettings};
 use crate::render::reference_picture::{PixelReference, covered, displayed};
+use crate::render::renderer::{Picture, Renderer};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
@@ -36,7 +36,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::sync::Arc;
 
-/// What is drawn, how it is shaded, and on which device.
+/// Scene, shading and device of a benchmark.
 #[derive(Args, Clone, Debug)]
 pub struct BenchmarkOptions {
     /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
@@ -68,7 +68,7 @@ pub fn fps(text: &str) -> Result<f64> {
     real(text, (1e-3, 1e5), "frame rate")
 }
 
-/// What all settings of a benchmark share.
+/// State that all settings of a benchmark share.
 pub struct BenchmarkScene {
     pub device: Arc<Device>,
     pub scene: Scene,
@@ -77,17 +77,17 @@ pub struct BenchmarkScene {
     pub size: [u32; 2],
 }
 
-/// A setting, ready to be measured.
+/// Setting, ready to be measured.
 pub struct Benchmark {
-    /// Draws the frame.
-    pub painter: Painter,
-    /// What it is shaded with.
+    /// Renderer of the frame.
+    pub renderer: Renderer,
+    /// Optics of the frame.
     pub shading: Shading,
-    /// What it is shaded from.
+    /// Summary of the source.
     pub summary: SourceSummary,
     /// Samples and wavelengths of the frame.
     pub cost: Cost,
-    /// Where its error comes from.
+    /// Error budget of the setting.
     pub budget: MeasuredBudget,
     /// The directions of each pixel, one entry per light.
     pub directions: Vec<Directions>,
@@ -104,14 +104,14 @@ pub struct PictureErrors {
     pub geometry: Option<PixelErrors>,
     /// Mean FLIP, if every covered pixel was compared.
     pub flip: Option<f64>,
-    /// Relative L2 between one sample a pixel and [`MORE_SAMPLES`], over the same pixels: what more samples would change.
+    /// Relative L2 difference between one sample a pixel and [`MORE_SAMPLES`], over the same pixels.
     pub sampling: Option<f64>,
 }
 
-/// So many samples a pixel are compared with one.
+/// Samples a pixel in the comparison with one sample.
 pub const MORE_SAMPLES: u32 = 4;
 
-/// How many frames to time.
+/// Limits of the time measurement.
 #[derive(Clone, Copy)]
 pub struct TimingLimits {
     /// Number of frames.
@@ -135,10 +135,10 @@ pub struct References {
 }
 
 impl References {
-    /// The reference of the frame that shades `directions`, for the window positions of `shading`.
+    /// Returns the reference of the frame that shades `directions`, for the window positions of `shading`.
     ///
     /// # Errors
-    /// When it does not fit into memory.
+    /// Too little memory.
     pub fn of(
         &mut self,
         scene: &BenchmarkScene,
@@ -163,7 +163,7 @@ impl BenchmarkScene {
     /// Opens scene, surface and device of `options`.
     ///
     /// # Errors
-    /// When one of them cannot be opened, or for `--method reference`.
+    /// One of them cannot be opened; `--method reference`.
     pub fn open(options: &BenchmarkOptions) -> Result<Self> {
         check_method(options)?;
         options.optics.for_pictures(&options.colour)?;
@@ -175,7 +175,7 @@ impl BenchmarkScene {
             ));
             light.spectrum = None;
         }
-        // A sample of surroundings is one light more, which one sample alone says little of.
+        // An environment map is left out here: a single sample of it says little.
         if !scene.lights.is_empty() {
             scene.environment = None;
         }
@@ -185,15 +185,15 @@ impl BenchmarkScene {
         Ok(Self { device, scene, field, view, size: options.size })
     }
 
-    /// Number of pixels of a picture.
+    /// Returns the number of pixels of a picture.
     pub fn pixels(&self) -> usize {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// The optics of `options`, of a surface that is made of what the scene says unless they do.
+    /// Returns the optics of `options`, with the material of the scene unless the options give one.
     ///
     /// # Errors
-    /// Where options do not go together or a file cannot be read.
+    /// Options that do not go together, a file that cannot be read.
     pub fn shading(&self, options: &BenchmarkOptions) -> Result<Shading> {
         Ok(options.optics.material_of(&self.scene, options.optics.for_pictures(&options.colour)?))
     }
@@ -201,7 +201,7 @@ impl BenchmarkScene {
     /// Prepares the setting of `options`.
     ///
     /// # Errors
-    /// When it does not fit on the device, or for `--method reference`.
+    /// A setting that does not fit on the device; `--method reference`.
     pub fn prepare(&self, options: &BenchmarkOptions) -> Result<Benchmark> {
         check_method(options)?;
         let shading = self.shading(options)?;
@@ -209,13 +209,18 @@ impl BenchmarkScene {
         let mut settings = Settings::new(method, shading.clone());
         if setup::averages_footprints(&settings) {
             let views = std::slice::from_ref(&self.view);
-            settings.footprints =
-                footprints::sizes(&self.device, &self.scene.mesh, views, self.size, &Sampling::ONE)?;
+            settings.footprints = footprints::sizes(
+                &self.device,
+                &self.scene.main_object().mesh,
+                views,
+                self.size,
+                &Sampling::ONE,
+            )?;
         }
         let source = prepare::source(&self.field, &settings, &self.device, &mut InUse::default())?;
-        let (painter, directions) = self.painter(&source, &shading)?;
+        let (renderer, directions) = self.renderer(&source, &shading)?;
         Ok(Benchmark {
-            painter,
+            renderer,
             summary: source.summary(&shading),
             cost: source.cost(&shading, &directions),
             budget: MeasuredBudget::of(&source, &shading),
@@ -224,40 +229,41 @@ impl BenchmarkScene {
         })
     }
 
-    /// A painter of this frame from `source`, and the directions of each pixel, one entry per light.
+    /// Returns a renderer of this frame from `source`, and the directions of each pixel, one entry per light.
     ///
     /// # Errors
-    /// When it does not fit on the device, or `source` cannot shade these directions.
-    pub fn painter(&self, source: &Source, shading: &Shading) -> Result<(Painter, Vec<Directions>)> {
-        let (mesh, grooves) = (&self.scene.mesh, &GrooveDirections::of(&self.scene.grooves)?);
+    /// A frame that does not fit on the device, directions that `source` cannot shade.
+    pub fn renderer(&self, source: &Source, shading: &Shading) -> Result<(Renderer, Vec<Directions>)> {
+        let (mesh, grooves) =
+            (&self.scene.main_object().mesh, &GrooveDirections::of(&self.scene.main_object().grooves)?);
         let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
         let sources = &ObjectSources::new(source.clone(), shading.clone());
         let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
-        let mut painter = Painter::of_objects(&self.device, &[object], self.size)?;
+        let mut renderer = Renderer::new(&self.device, &[object], self.size)?;
         if self.scene.shadows {
-            painter.cast_shadows()?;
+            renderer.cast_shadows()?;
         }
         let directions = (0..self.view.light_count())
-            .map(|light| painter.directions(&self.view, light))
+            .map(|light| renderer.directions(&self.view, light))
             .collect::<Result<Vec<_>>>()?;
         source.check(shading, &directions)?;
-        Ok((painter, directions))
+        Ok((renderer, directions))
     }
 
-    /// Draws the picture of `painter`.
+    /// Draws the picture of `renderer`.
     ///
     /// # Errors
-    /// When the device is lost.
-    pub fn paint(&self, painter: &mut Painter) -> Result<Picture> {
-        self.paint_samples(painter, Sampling::ONE)
+    /// A lost device.
+    pub fn paint(&self, renderer: &mut Renderer) -> Result<Picture> {
+        self.paint_samples(renderer, Sampling::ONE)
     }
 
     /// Measures the errors of the picture at `count` random pixels that the device or the reference covers.
     ///
     /// # Errors
-    /// When the device is lost or the reference does not fit into memory.
+    /// A lost device, too little memory for the reference.
     pub fn compare(&self, benchmark: &mut Benchmark, count: usize) -> Result<PictureErrors> {
-        let picture = self.paint(&mut benchmark.painter)?;
+        let picture = self.paint(&mut benchmark.renderer)?;
         let cast = self.cast(&benchmark.shading)?;
         let covered: BTreeSet<usize> =
             [&benchmark.directions, &cast].into_iter().flat_map(|seen| covered(seen)).collect();
@@ -268,7 +274,7 @@ impl BenchmarkScene {
         let one = shown(&picture, &pixels);
         let errors = |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.exposure);
         let sampling = Sampling { count: MORE_SAMPLES, seed: 0 };
-        let more = shown(&self.paint_samples(&mut benchmark.painter, sampling)?, &pixels);
+        let more = shown(&self.paint_samples(&mut benchmark.renderer, sampling)?, &pixels);
         let mut all = PictureErrors {
             pixels: Some(errors(&one, &colors)),
             whole: Some(errors(&one, &of_rays)),
@@ -284,31 +290,35 @@ impl BenchmarkScene {
 
     /// Casts the rays of each light in f64.
     fn cast(&self, shading: &Shading) -> Result<Vec<Directions>> {
-        let grooves = &GrooveDirections::of(&self.scene.grooves)?;
-        let rays = RayScene::new(vec![RayObject { mesh: &self.scene.mesh, grooves, casts_shadows: true }]);
+        let grooves = &GrooveDirections::of(&self.scene.main_object().grooves)?;
+        let rays = RayScene::new(vec![RayObject {
+            mesh: &self.scene.main_object().mesh,
+            grooves,
+            casts_shadows: true,
+        }]);
         let settings = RaySettings::new(self.size, self.scene.shadows, shading);
         let pass = |light| LightPass::of_all(light, Sampling::ONE.sample(0));
         let lights = 0..self.view.light_count();
         Ok(lights.map(|light| rays.directions(&self.view, &pass(light), &settings)).collect())
     }
 
-    /// Draws the picture of `painter` from all samples of `sampling`, displayed as the scene says.
-    fn paint_samples(&self, painter: &mut Painter, sampling: Sampling) -> Result<Picture> {
-        painter.paint_samples(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
+    /// Draws the picture of `renderer` from all samples of `sampling`, displayed as the scene says.
+    fn paint_samples(&self, renderer: &mut Renderer, sampling: Sampling) -> Result<Picture> {
+        renderer.paint_samples(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
     }
 
     /// Times the frame and measures the errors of its picture; the fields that depend on the setting stay empty.
     ///
     /// # Errors
-    /// When the device is lost.
+    /// A lost device.
     pub fn measure(
         &self,
-        painter: &mut Painter,
+        renderer: &mut Renderer,
         exact: &ReferencePixels,
         limits: TimingLimits,
     ) -> Result<Measurement> {
-        let times = measure(painter, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
-        let picture = self.paint(painter)?;
+        let times = measure(renderer, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
+        let picture = self.paint(renderer)?;
         let errors = PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.exposure);
         Ok(Measurement {
             frame_ms: times.frame.p50,
@@ -322,7 +332,7 @@ impl BenchmarkScene {
         })
     }
 
-    /// Computes the f64 reference of `pixels`, linear sRGB; black where nothing is covered.
+    /// Computes the f64 reference of `pixels`, linear sRGB; black for uncovered pixels.
     fn reference(
         &self,
         shading: &Shading,
@@ -337,7 +347,7 @@ impl BenchmarkScene {
         };
         let is_covered = |pixel: &&usize| directions.iter().any(|seen| seen.view[**pixel][3] != 0.0);
         let seen: Vec<usize> = pixels.iter().filter(is_covered).copied().collect();
-        /// Part of the smallest tolerance of a sweep that the reference may err by.
+        /// Error of the reference relative to the smallest tolerance of a sweep.
         const PART: f64 = 0.2;
         let sampling = ColourSampling::within(PART * shading.tolerance.min(1e-2));
         let colors = PixelReference::with_sampling(&self.field, shading, sampling, &progress)
@@ -347,7 +357,7 @@ impl BenchmarkScene {
         Ok(pixels.iter().map(|pixel| colors.get(pixel).copied().unwrap_or(DVec3::ZERO)).collect())
     }
 
-    /// Mean FLIP between `picture` and the reference, both as displayed.
+    /// Returns the mean FLIP between `picture` and the reference, both as displayed.
     fn flip(&self, picture: &Picture, exact: &ReferencePixels) -> f64 {
         let mut radiance = vec![[0.0; 4]; picture.radiance.len()];
         for (&pixel, color) in exact.pixels.iter().zip(&exact.colors) {
@@ -368,7 +378,7 @@ fn check_method(options: &BenchmarkOptions) -> Result<()> {
     Ok(())
 }
 
-/// Linear sRGB of `pixels` of `picture`.
+/// Returns the linear sRGB of `pixels` of `picture`.
 pub fn shown(picture: &Picture, pixels: &[usize]) -> Vec<DVec3> {
     let color = |&i: &usize| {
         let [r, g, b, _] = picture.radiance[i];

@@ -1,4 +1,4 @@
-//! `diffract cache`: what is kept for next time.
+//! `diffract cache`: shows and clears the cache.
 
 use super::write;
 use crate::cache::{Contents, DEFAULT_LIMIT, Store, Usage};
@@ -20,7 +20,7 @@ pub struct Arguments {
 
 #[derive(Subcommand, Debug)]
 enum Action {
-    /// Remove everything that is kept
+    /// Remove all cached results
     Clear,
 }
 
@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write::stdout(&text)
 }
 
-/// A line for each kind, and one for all.
+/// Returns a line for each kind of result, and one for all.
 fn table(contents: &Contents) -> String {
     let line = |kind: &str, usage: Usage| {
         format!("{kind:<10} {:>6} {:>12} bytes ({})\n", usage.files, usage.bytes, in_words(usage.bytes))

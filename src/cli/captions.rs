@@ -20,7 +20,7 @@ pub fn own_command() -> String {
     command(std::env::args_os(), None)
 }
 
-/// `notes` of the same process, for picture number `frame` of a sequence, which says `more` under the name `name`.
+/// Returns `notes` for picture number `frame` of a sequence, with the text `more` under the name `name`.
 pub fn notes_of_frame(notes: &Notes, frame: u32, name: &str, more: String) -> Notes {
     let mut own = notes.clone();
     own.command = command(std::env::args_os(), Some(frame));
@@ -28,14 +28,14 @@ pub fn notes_of_frame(notes: &Notes, frame: u32, name: &str, more: String) -> No
     own
 }
 
-/// The command that `words` are (the program's name first), as a shell takes it, without where results go: the same picture
-/// says the same of itself, whatever its file is called. Of a sequence it draws picture number `frame` alone.
+/// Returns the command `words` (the program's name first), as a shell takes it, without the options that name results: the notes of a
+/// picture do not depend on the name of its file. For a sequence, the command draws picture number `frame` alone.
 fn command(words: impl IntoIterator<Item = OsString>, frame: Option<u32>) -> String {
     let mut kept = vec!["diffract".to_owned()];
     let mut words = words.into_iter().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = words.next() {
         let name = word.split('=').next().unwrap_or_default();
-        if ["-o", "--output", "--plot", "--json", "--cache-size", "--frames"].contains(&name) {
+        if ["-o", "--output", "--plot", "--json", "--html", "--cache-size", "--frames"].contains(&name) {
             // The value is the next word unless it stands in this one.
             if name == word {
                 words.next();
@@ -52,7 +52,7 @@ fn command(words: impl IntoIterator<Item = OsString>, frame: Option<u32>) -> Str
     kept.join(" ")
 }
 
-/// The coherence.
+/// Describes the coherence.
 pub fn coherence(coherence: &Coherence) -> String {
     match coherence {
         Coherence::Gaussian { length } => format!("gaussian {} µm", rounded(*length)),
@@ -60,7 +60,7 @@ pub fn coherence(coherence: &Coherence) -> String {
     }
 }
 
-/// The method with its settings, the coherence and the refractive index.
+/// Describes the method with its settings, the coherence and the refractive index.
 pub fn optics(options: &OpticsOptions) -> String {
     let method = match options.method() {
         Method::Reference => "direct sum (reference)".to_owned(),
@@ -78,11 +78,11 @@ pub fn optics(options: &OpticsOptions) -> String {
         Windows::Grid([1, 1]) => String::new(),
         Windows::Grid([n, m]) => format!(", {n}×{m} windows"),
     };
-    let surface = options.reflectance().unwrap_or_default();
+    let surface = options.reflectance(None);
     format!("{method}; coherence {}{windows}; {surface}", coherence(&options.coherence))
 }
 
-/// Name, size, sample spacing and height of a surface.
+/// Describes a surface: name, size, sample spacing and height.
 pub fn surface(name: &str, field: &HeightField) -> String {
     let [width, height] = field.patch_size().map(rounded);
     let [dx, dy] = field.pixel_size().map(|d| (d * 1e4).round() / 10.0);
@@ -94,7 +94,7 @@ pub fn surface(name: &str, field: &HeightField) -> String {
     )
 }
 
-/// Directions and intensities of lights.
+/// Describes the directions and intensities of lights.
 pub fn lights(lights: &[FarLight]) -> String {
     let one = |light: &FarLight| {
         let strength =
@@ -104,14 +104,14 @@ pub fn lights(lights: &[FarLight]) -> String {
     lights.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
-/// `text` as a sentence: a capital letter first, a full stop last.
+/// Returns `text` as a sentence: a capital letter first, a full stop last.
 pub fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
     format!("{first}{}.", letters.as_str())
 }
 
-/// Two decimals.
+/// Rounds to two decimals.
 fn rounded(x: f64) -> f64 {
     (x * 1e2).round() / 1e2
 }

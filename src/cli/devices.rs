@@ -1,4 +1,4 @@
-//! `diffract devices`: what Vulkan offers here.
+//! `diffract devices`: lists the Vulkan devices.
 
 use super::options::DeviceOptions;
 use super::{check_validation, validation, write};

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// Columns of every query file, in degrees.
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_r", "phi_r"];
-/// Column that asks for one wavelength \[nm\].
+/// Column with single wavelengths \[nm\].
 const WAVELENGTH: &str = "wavelength";
 
 /// Arguments of `eval`.
@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Directions to evaluate
     #[arg(long, value_name = "FILE")]
     queries: PathBuf,
-    /// Where the answers go, instead of stdout
+    /// Output file, instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -52,7 +52,7 @@ pub struct Arguments {
     cache: CacheOptions,
 }
 
-/// Evaluates and writes.
+/// Evaluates the queries and writes the answers.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     Files::new()
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write::text(arguments.output.as_deref(), &table.answered(&values)?)
 }
 
-/// The file's columns as they were, and what they ask.
+/// Columns of the file, and the queries in them.
 pub(super) struct QueryTable {
     header: Vec<String>,
     rows: Vec<Vec<String>>,
@@ -100,7 +100,7 @@ impl QueryTable {
         Self::parse(&text).map_err(|e| e.at(path.display()))
     }
 
-    /// The table in the text of a file.
+    /// Parses the text of a file.
     pub fn parse(text: &str) -> Result<Self> {
         let remedy = "write the header theta_i,phi_i,theta_r,phi_r with wavelength (nm) or not, then numbers";
         let bad = |line: u64, what: String| Error::failed(format!("line {line}: {what}"), remedy);
@@ -157,7 +157,7 @@ impl QueryTable {
         Ok(table)
     }
 
-    /// The rows of each wavelength that is asked for.
+    /// Groups the rows by wavelength.
     fn by_wavelength(&self) -> Vec<(Option<f64>, Vec<usize>)> {
         let mut groups: BTreeMap<u64, (Option<f64>, Vec<usize>)> = BTreeMap::new();
         for (place, query) in self.queries.iter().enumerate() {
@@ -167,7 +167,7 @@ impl QueryTable {
         groups.into_values().collect()
     }
 
-    /// The table with the answers: f, or XYZ.
+    /// Returns the table with the answers: f, or XYZ.
     fn answered(&self, values: &[DVec3]) -> Result<String> {
         let mut table = write::Csv::new();
         let mut header = self.header.clone();
@@ -184,7 +184,7 @@ impl QueryTable {
     }
 }
 
-/// Names of the columns that the answer adds.
+/// Returns the names of the added columns.
 fn answers(single_wavelengths: bool) -> &'static [&'static str] {
     if single_wavelengths { &["brdf"] } else { &["X", "Y", "Z"] }
 }

@@ -1,4 +1,4 @@
-//! What `eval`, `brdf` and `peaks` share: limits of what they ask, and asking with a progress bar.
+//! Evaluation in `eval`, `brdf` and `peaks`: limits of the input, and the progress bar.
 
 use super::prepare;
 use crate::brdf::Brdf;
@@ -8,22 +8,22 @@ use crate::setup::Method;
 use glam::DVec3;
 use indicatif::ProgressBar;
 
-/// Wavelengths that can be asked for \[µm\]: from hard ultraviolet to far infrared.
+/// Range of wavelengths \[µm\]: from hard ultraviolet to far infrared.
 pub const WAVELENGTHS: (f64, f64) = (0.01, 100.0);
-/// Pairs of directions that are asked for together: memory stays at a few megabytes.
+/// Pairs of directions that are evaluated together: memory stays at a few megabytes.
 pub const AT_ONCE: usize = 16_384;
 
-/// A progress bar over `count` directions.
+/// Returns a progress bar over `count` directions.
 pub fn bar(count: usize) -> ProgressBar {
     let bar = prepare::progress_bar("directions");
     bar.set_length(count as u64);
     bar
 }
 
-/// f \[sr⁻¹\] of every one of `pairs`, in order: three times the value at `wavelength` \[µm\], or the XYZ of the colour.
+/// Evaluates f \[sr⁻¹\] of all `pairs`, in order: three times the value at `wavelength` \[µm\], or the XYZ of the colour.
 ///
 /// # Errors
-/// As [`Brdf`].
+/// Those of [`Brdf`].
 pub fn ask(
     brdf: &mut dyn Brdf,
     pairs: &[Pair],
@@ -41,7 +41,7 @@ pub fn ask(
     Ok(all)
 }
 
-/// Fails where `method` has no single wavelengths.
+/// Fails if `method` has no single wavelengths.
 pub fn check_single_wavelengths(method: Method) -> Result<()> {
     if method != Method::Table {
         return Ok(());

@@ -1,8 +1,12 @@
 //! `diffract export`: a surface's material for other programs.
 
+mod page;
+
+use self::page::PageSubject;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
 use super::{captions, prepare, write};
 use crate::error::{Error, Remedy, Result};
+use crate::export::page::MOST_PAGE_TEXELS;
 use crate::export::{
     ExportReader, ExportSettings, ExportedMaterial, LARGEST_FOOTPRINT, MaterialDescription, PortErrors,
     check_target, write as write_export,
@@ -16,7 +20,7 @@ use clap::Args;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Footprints that mean something.
+/// Range of footprints.
 const FOOTPRINTS: (f64, f64) = (0.0, LARGEST_FOOTPRINT);
 
 /// Arguments of `export`.
@@ -29,6 +33,7 @@ a CSV file with the columns r, g and b, a row for each row of conformance.csv.
 
 Examples:
   diffract export elaphe -o skin --footprint 0.02 --tolerance 2e-2
+  diffract export elaphe --html elaphe.html            a page for any browser, which loads nothing
   diffract export blaze -o blaze --coherence gaussian:16um --material aluminium
   diffract export --check skin --answers mine.csv"
 )]
@@ -36,16 +41,19 @@ pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
     /// Folder of the export, which is new, empty or a former export
-    #[arg(short, long, value_name = "FOLDER", required_unless_present = "check")]
+    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["check", "html"])]
     output: Option<PathBuf>,
+    /// Page that shows the material in a browser with WebGL 2: one file of at most 10 MB, which loads nothing. It holds at most 6.7 MB of texels
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
     /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table
     #[arg(long, value_name = "SIGMA", value_parser = footprint, allow_hyphen_values = true, default_value = "0.02")]
     footprint: f64,
-    /// Most bytes of the texels, as in 8MB: the smallest footprint grows until the table keeps them
+    /// Largest size of the texels, as in 8MB: the smallest footprint grows until the table fits
     #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true)]
     budget: Option<u64>,
     /// Check an export instead: its version, check sums and numbers
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "surface_name"])]
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "html", "surface_name"])]
     check: Option<PathBuf>,
     /// Compare these answers of a port with the table
     #[arg(long, value_name = "FILE", requires = "check", conflicts_with = "output")]
@@ -67,17 +75,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(folder) = &arguments.check {
         return check(folder, arguments.answers.as_deref());
     }
-    let Some(folder) = &arguments.output else { return Ok(()) };
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
+        .writes(&arguments.html)
         .check()?;
-    check_target(folder)?;
+    if let Some(folder) = &arguments.output {
+        check_target(folder)?;
+    }
+    let most_bytes = most_texels(arguments)?;
     if arguments.optics.method.is_some_and(|method| method != Method::Table) {
         return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
     }
-    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let field = source.prepare(arguments.surface.read(&source)?.into_field()?)?;
     let shading = arguments.optics.shading(&arguments.colour, &field)?;
     setup::check(&Settings::new(Method::Table, shading.clone()))?;
     let sigma = shading
@@ -87,12 +99,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let settings = ExportSettings {
         sigma,
         beyond: shading.beyond,
-        illuminant: shading.illuminant,
-        reflectance: shading.reflectance,
+        illuminant: shading.illuminant.clone(),
+        reflectance: shading.reflectance.clone(),
         tolerance: shading.tolerance,
         wavelengths: shading.wavelengths,
         footprint: arguments.footprint,
-        most_bytes: arguments.budget,
+        most_bytes,
     };
     prepare::warn_of_coarse_samples(&field, SHORTEST);
     let bar = prepare::progress_bar("orders");
@@ -100,11 +112,38 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ExportedMaterial::new(&field, &settings, &|what, done, of| prepare::show(&bar, what, done, of))?;
     bar.finish_and_clear();
     let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command());
-    write_export(folder, &material, &mut description)?;
+    if let Some(folder) = &arguments.output {
+        write_export(folder, &material, &mut description)?;
+    }
+    if let Some(path) = &arguments.html {
+        let name = &arguments.colour.illuminant;
+        let illuminant = if arguments.colour.files().is_some() {
+            name.to_string_lossy().into_owned()
+        } else {
+            name.to_string_lossy().to_uppercase()
+        };
+        let subject = PageSubject { source: &source, field: &field, shading: &shading, illuminant };
+        page::write(path, &subject, &material, &description)?;
+    }
     write::stdout(&summary(&description))
 }
 
-/// Size and errors in a line.
+/// Returns the most bytes of texels: the user's, or those that a page holds.
+fn most_texels(arguments: &Arguments) -> Result<Option<u64>> {
+    if arguments.html.is_none() {
+        return Ok(arguments.budget);
+    }
+    let budget = arguments.budget.unwrap_or(MOST_PAGE_TEXELS);
+    if budget > MOST_PAGE_TEXELS {
+        return Err(Error::usage(
+            "a page of 10 MB holds no more than 6.7 MB of texels",
+            "use --budget 6.7MB or less, or export a folder without --html",
+        ));
+    }
+    Ok(Some(budget))
+}
+
+/// Returns size and errors in a line.
 fn summary(description: &MaterialDescription) -> String {
     const MB: f64 = 1e6;
     let MaterialDescription { table_bytes, smallest_footprint, errors, .. } = description;

@@ -1,4 +1,4 @@
-//! Pictures of a sequence that an earlier run finished: each says in its file what it was drawn from, and has a hash of itself.
+//! Pictures of a sequence that an earlier run finished: each file has notes of its settings and a hash of its contents.
 
 use crate::cache::{EntryFormat, Key};
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use crate::memory;
 use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::frame::View;
 use crate::render::object::ObjectTextures;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use crate::render::sequence::Sequence;
 use crate::scene::{Mesh, Object, Scene};
 use crate::setup::ObjectSurface;
@@ -15,18 +15,18 @@ use image::{DynamicImage, ImageFormat};
 use std::fmt::Debug;
 use std::path::Path;
 
-/// The note of a picture file that [`SequenceOrigin::note`] is the value of.
+/// Name of the note whose value is [`SequenceOrigin::note`].
 pub const NOTE: &str = "Drawn from";
 
-/// What the hash is of. Its version changes whenever the same settings lead to another picture.
+/// Format of the hashed settings. Its version changes whenever the same settings lead to another picture.
 const SEQUENCES: EntryFormat = EntryFormat { name: "sequences", version: 1 };
 
-/// Everything that a sequence follows from.
+/// Hash of everything that the pictures of a sequence depend on.
 pub struct SequenceOrigin(Key);
 
 impl SequenceOrigin {
-    /// Of `sequence`, which begins with the view `first` of `scene`, whose objects have these `surfaces`, at an exposure that is `measured` or the
-    /// scene's. What files hold counts, and not their names.
+    /// Returns the origin of `sequence`, which begins with the view `first` of `scene`, whose objects have these `surfaces`, at an exposure
+    /// that is `measured` or the scene's. It depends on the contents of files, not on their names.
     ///
     /// # Errors
     /// A picture that cannot be read: a pigment texture, or a map of grooves.
@@ -56,7 +56,7 @@ impl SequenceOrigin {
                 .map(|f| ([f.columns(), f.rows()], f.pixel_size(), hash(bytemuck::cast_slice(f.heights()))));
             (object.base_color, object.is_ground, field, surface.optics.clone())
         };
-        let others: Vec<_> = scene.objects.iter().zip(&surfaces[1..]).map(other).collect();
+        let others: Vec<_> = scene.objects.iter().zip(surfaces).skip(1).map(other).collect();
         let shown = (scene.exposure, measured, scene.tone, scene.background, scene.shadows);
         // Rust writes numbers so that they are read back exactly.
         let turned = (sequence.motion, sequence.count, first);
@@ -66,27 +66,27 @@ impl SequenceOrigin {
         Key::new(&SEQUENCES, &settings, field.ok_or_else(nothing)?).map(Self)
     }
 
-    /// What picture number `frame` says of itself.
+    /// Returns the note of picture number `frame`.
     pub fn note(&self, frame: u32) -> String {
         format!("{}, picture {frame}", self.0.to_hex())
     }
 }
 
-/// A picture of a sequence as an earlier run left it.
+/// State of a picture file of an earlier run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeptPicture {
-    /// There is no file.
+    /// No file.
     Missing,
-    /// The file is as it was written.
+    /// Complete file.
     Finished,
-    /// The file is of this picture, and is cut short or changed.
+    /// File of this picture, cut short or changed.
     Damaged,
 }
 
-/// The state of the file `path`, where the picture that says `note` of itself belongs.
+/// Returns the state of the file `path` of the picture with this `note`.
 ///
 /// # Errors
-/// Where the file is another one: nothing that is there is written over, and no sequence has pictures of two kinds.
+/// A file with another note: no file is overwritten, and no sequence mixes pictures of different settings.
 pub fn frame(path: &Path, note: &str) -> Result<KeptPicture> {
     if !path.exists() {
         return Ok(KeptPicture::Missing);
@@ -101,10 +101,10 @@ pub fn frame(path: &Path, note: &str) -> Result<KeptPicture> {
     .at(path.display()))
 }
 
-/// The note of a picture file with the hash of its other notes and its pixels; the last one.
+/// Name of the note with the hash of the other notes and the pixels; the last note of a file.
 const SEAL: &str = "Hash";
 
-/// `notes` of the file of `picture`, with the hash that [`frame`] looks for.
+/// Adds to `notes` of the file of `picture` the hash that [`frame`] checks.
 pub fn sealed(mut notes: Notes, format: PictureFormat, picture: &Picture) -> Notes {
     let text = picture_file::text(format, &notes);
     let hash = hash(&text, picture.size, &picture_file::pixels(format, picture));
@@ -119,7 +119,7 @@ fn hash(text: &str, size: [u32; 2], pixels: &[u8]) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// True if the picture file `path` has the notes and the pixels whose hash it names.
+/// Returns true if the picture file `path` has the notes and the pixels whose hash it names.
 fn is_whole(path: &Path) -> bool {
     let Some(said) = picture_file::text_of(path) else { return false };
     let Some((text, named)) = said.rsplit_once(&format!("\n{SEAL}: ")) else { return false };
@@ -127,7 +127,7 @@ fn is_whole(path: &Path) -> bool {
     hash(text, size, &pixels) == named
 }
 
-/// Size and pixels of a picture file.
+/// Reads size and pixels of a picture file.
 fn decoded(path: &Path) -> Result<([u32; 2], Vec<u8>)> {
     const PICTURE: PictureFile = PictureFile {
         formats: &[ImageFormat::Png, ImageFormat::OpenExr],
@@ -161,7 +161,7 @@ fn decoded(path: &Path) -> Result<([u32; 2], Vec<u8>)> {
 mod tests {
     use super::*;
 
-    /// A picture with the notes of a frame in both formats.
+    /// Returns a picture with the notes of a frame in both formats.
     fn written(folder: &Path) -> Vec<std::path::PathBuf> {
         let count = 40 * 30;
         let picture = Picture {
@@ -194,7 +194,7 @@ mod tests {
             assert_eq!(state().unwrap(), KeptPicture::Finished, "{}", path.display());
             assert!(frame(&path, "a key, picture 4").is_err(), "another picture");
             let whole = std::fs::read(&path).unwrap();
-            // A file that is cut before it says what it is, is refused; the notes of so small a picture are longer than its pixels.
+            // A file that is cut before its notes is refused; the notes of so small a picture are longer than its pixels.
             std::fs::write(&path, &whole[..whole.len() - 20]).unwrap();
             assert_eq!(state().unwrap(), KeptPicture::Damaged, "most of {}", path.display());
             for cut in [0, 10, whole.len() / 10, whole.len() - 1] {

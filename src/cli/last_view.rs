@@ -1,6 +1,6 @@
-//! What one window leaves for the next, as JSON in `$XDG_STATE_HOME/diffract`, else in `~/.local/state/diffract`: the arguments of the
-//! `diffract view` that begins with the settings of the window that was closed last (`last-view.json`), and the files that were opened
-//! lately (`recent.json`).
+//! State that a window leaves for the next, as JSON in `$XDG_STATE_HOME/diffract`, else in `~/.local/state/diffract`: the arguments of the
+//! `diffract view` that begins with the settings of the last closed window (`last-view.json`), and the recently opened files
+//! (`recent.json`).
 
 use super::view_command;
 use crate::error::{Error, Result};
@@ -12,9 +12,9 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The file for the settings of the window that was closed last.
+/// File with the settings of the last closed window.
 const LAST: &str = "last-view.json";
-/// The file for the names of files that were opened lately.
+/// File with the names of recently opened files.
 const RECENT: &str = "recent.json";
 
 fn path(name: &str) -> Option<PathBuf> {
@@ -24,20 +24,20 @@ fn path(name: &str) -> Option<PathBuf> {
         .map(|base| base.join("diffract").join(name))
 }
 
-/// Whether there is a window to go on with.
+/// Returns true if settings of a window are stored.
 pub fn is_kept() -> bool {
     path(LAST).is_some_and(|path| path.is_file())
 }
 
-/// Keeps `settings` of `scene` in the place of those that were kept before.
+/// Stores `settings` of `scene` instead of the former ones.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// A file that cannot be written.
 pub fn keep(settings: &ViewSettings, scene: &Scene) -> Result<()> {
     write(LAST, &view_command::view(settings, scene))
 }
 
-/// Writes `words` into the file of this `name`. A user without a folder for it loses them.
+/// Writes `words` into the file `name`. Without a folder for state files nothing is written.
 fn write(name: &str, words: &[String]) -> Result<()> {
     let Some(path) = path(name) else { return Ok(()) };
     if let Some(folder) = path.parent() {
@@ -49,24 +49,24 @@ fn write(name: &str, words: &[String]) -> Result<()> {
     })
 }
 
-/// The files that were opened lately, the newest first; none where the list is damaged, which the next file that is opened mends.
+/// Returns the recently opened files, the newest first. A damaged list counts as empty and is replaced at the next change.
 pub fn recent() -> Vec<String> {
     let text = path(RECENT).and_then(|path| input::read_text(&path, "a list of files").ok());
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 
-/// Keeps the list of files that were opened lately.
+/// Stores the list of recently opened files.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// A file that cannot be written.
 pub fn keep_recent(names: &[String]) -> Result<()> {
     write(RECENT, names)
 }
 
-/// The arguments that are kept.
+/// Reads the stored arguments.
 ///
 /// # Errors
-/// Where nothing is kept, and where it is damaged.
+/// No stored settings, or damaged ones.
 pub fn words() -> Result<Vec<OsString>> {
     let nothing = || Error::failed("there is no window to go on with", "begin with `diffract view`");
     let path = path(LAST).ok_or_else(nothing)?;
@@ -75,7 +75,7 @@ pub fn words() -> Result<Vec<OsString>> {
     Ok(words.into_iter().map(OsString::from).collect())
 }
 
-/// What is said of settings that are not understood.
+/// Returns the error for stored settings that cannot be read.
 pub fn damaged(cause: &dyn std::fmt::Display) -> Error {
     let what = format!("the settings of the last window cannot be read ({cause})");
     Error::failed(what, "begin with `diffract view`; the next window that is closed takes their place")

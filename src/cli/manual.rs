@@ -1,4 +1,4 @@
-//! `diffract help`, `completions` and `manual`: the command line told to people, shells and `man`, all from its one description.
+//! `diffract help`, `completions` and `manual`: help texts, shell completions and manual pages from one description of the command line.
 
 use super::{Arguments, usage, write};
 use crate::error::{Error, Result};
@@ -26,7 +26,7 @@ pub struct HelpArguments {
   diffract completions zsh > ~/.zfunc/_diffract
   diffract completions fish > ~/.config/fish/completions/diffract.fish")]
 pub struct CompletionArguments {
-    /// The shell that completes words
+    /// Shell to complete words for
     #[arg(value_name = "SHELL")]
     shell: Shell,
 }
@@ -36,19 +36,19 @@ pub struct CompletionArguments {
 #[command(after_help = "Example:
   diffract manual ~/.local/share/man/man1 && man diffract-render")]
 pub struct ManualArguments {
-    /// The folder that they go to, which is there already
+    /// Existing folder for the pages
     #[arg(value_name = "FOLDER")]
     folder: PathBuf,
 }
 
-/// Prints the help of a command, as its own `--help` does.
+/// Prints the help of a command, like `--help` behind the command.
 pub fn help(arguments: &HelpArguments) -> Result<()> {
     let words =
         ["diffract"].into_iter().chain(arguments.command.iter().map(String::as_str)).chain(["--help"]);
     usage::parse(words.map(OsString::from)).map(drop)
 }
 
-/// Prints what a shell reads to complete the program's words.
+/// Prints the script that completes words in a shell.
 pub fn completions(arguments: &CompletionArguments) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Arguments::command(), "diffract", &mut script);

@@ -9,6 +9,7 @@ mod devices;
 mod eval;
 mod evaluation;
 mod export;
+mod exported;
 mod finished;
 #[cfg(feature = "viewer")]
 mod last_view;
@@ -81,26 +82,26 @@ enum Command {
     Export(export::Arguments),
     /// Peak angles against the grating equation
     Peaks(peaks::Arguments),
-    /// Frame times against the 5 to 15 fps target, and what the device could do
+    /// Frame times against the 5 to 15 fps target, and the limits of the device
     Profile(profile::Arguments),
     /// Speed against accuracy, measured: table, plot, advice
     Trade(trade::Arguments),
-    /// What is in a height field and what it will cost; generated height fields
+    /// Statistics and cost of a height field; generated height fields
     #[command(subcommand)]
     Surface(surface::Command),
-    /// What is kept for next time, and how to remove it
+    /// Show or remove cached results
     Cache(cache::Arguments),
-    /// What Vulkan offers here and why one device is chosen
+    /// List the Vulkan devices, and the reason for the chosen one
     Devices(devices::Arguments),
-    /// The help of a command
+    /// Show the help of a command
     Help(manual::HelpArguments),
-    /// What a shell needs to complete commands and options
+    /// Print the script with which a shell completes commands and options
     Completions(manual::CompletionArguments),
-    /// Pages for `man`, one for each command
+    /// Write pages for `man`, one for each command
     Manual(manual::ManualArguments),
 }
 
-/// Runs the program on the process's own arguments.
+/// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
     match on_large_stack(|| usage::parse(std::env::args_os()))
         .and_then(|arguments| arguments.map_or(Ok(()), start))
@@ -113,7 +114,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Runs a command on a large stack; windows are for the main thread.
+/// Runs a command on a large stack; windows run on the main thread.
 fn start(arguments: Arguments) -> Result<()> {
     #[cfg(feature = "viewer")]
     if matches!(arguments.command, Command::View(_)) {
@@ -122,8 +123,8 @@ fn start(arguments: Arguments) -> Result<()> {
     on_large_stack(|| run(arguments))
 }
 
-/// Does `work` in a thread with the stack that systems usually give to a process: one that `ulimit -s` makes small overflows. Where the system
-/// gives no thread, the calling one does it.
+/// Runs `work` in a thread with the usual stack size of a process: a stack that `ulimit -s` makes small would overflow. If the system gives
+/// no thread, the calling thread does the work.
 fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
     const BYTES: usize = 8 << 20;
     let mut work = Some(work);
@@ -159,26 +160,26 @@ fn run(arguments: Arguments) -> Result<()> {
     }
 }
 
-/// Makes the threads that share sums and transforms. Where the system gives none, the calling thread does everything.
+/// Starts the thread pool for sums and transforms. If the system gives no threads, the calling thread does everything.
 fn start_threads() {
-    // A failed attempt would stay the last one, so the first one is on trial.
+    // A failed build of the global pool is final, so a local pool is tried first.
     if rayon::ThreadPoolBuilder::new().build().is_err() {
         let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     }
 }
 
-/// One line on stderr; where nobody listens there, that is no reason to fail.
+/// Writes one line to stderr; a closed stderr is no error.
 fn print(line: &dyn std::fmt::Display) {
     let line = write::without_controls(&line.to_string());
     let _ = writeln!(std::io::stderr(), "diffract: {line}");
 }
 
-/// Whether Vulkan validation is asked for; then each of its messages is an error.
+/// Returns true if Vulkan validation is enabled; then each of its messages is an error.
 fn validation() -> bool {
     std::env::var_os("DIFFRACT_VALIDATION").is_some_and(|v| !v.is_empty() && v != "0")
 }
 
-/// Fails if validation had anything to say.
+/// Fails if there are validation messages.
 fn check_validation(messages: &[String]) -> Result<()> {
     match messages {
         [] => Ok(()),

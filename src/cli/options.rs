@@ -6,7 +6,7 @@ mod surface;
 mod view;
 
 pub use display::Exposure;
-#[cfg(any(feature = "viewer", test))] // for what the viewer saves
+#[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
 pub use surface::SurfaceOptions;
 pub use view::{ViewOptions, light_by};
@@ -16,6 +16,7 @@ use crate::cache;
 use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::material::Material;
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Film, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
@@ -31,21 +32,21 @@ use clap::{Args, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::sync::Once;
 
-/// Smallest and largest tolerance that mean something: below the first, 32-bit floats are in the way everywhere.
+/// Range of tolerances: below the first, rounding of 32-bit floats dominates everywhere.
 const TOLERANCES: (f64, f64) = (1e-6, 1.0);
-/// Most terms that can be named.
+/// Largest number of terms.
 const MAX_TERMS: usize = 128;
-/// Fewest and most wavelengths that can be named.
+/// Smallest and largest number of wavelengths.
 const WAVELENGTHS: (usize, usize) = (4, 4096);
-/// Refractive index of surfaces of which nothing is said.
+/// Default refractive index of a surface.
 const DEFAULT_IOR: f64 = 1.5;
-/// Refractive indices of real materials, with room.
+/// Range of refractive indices: those of real materials, with a margin.
 const IORS: (f64, f64) = (1.0, 10.0);
-/// Coherence lengths that make a window: from less than a wavelength to a laser's.
+/// Range of coherence lengths of a window \[µm\]: from less than a wavelength to a laser's.
 const COHERENCE_LENGTHS: (f64, f64) = (0.01, 1e5);
-/// Most pixels of a sample: every pixel of the largest picture.
+/// Largest number of pixels of a sample: every pixel of the largest picture.
 const MAX_SAMPLED: usize = 1 << 28;
-/// Most copies of the patch along an axis, and most windows.
+/// Largest number of copies of the patch along an axis, and of windows.
 const MAX_REPEATS: u32 = 10_000;
 const MAX_WINDOWS: u32 = 64;
 
@@ -68,34 +69,34 @@ impl ValueEnum for Method {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Optics")]
 pub struct OpticsOptions {
-    /// How the optics is computed [default: table for pictures of the mean, else spectral]
+    /// Method of the optics [default: table for pictures of the mean, else spectral]
     #[arg(long, value_enum)]
     pub method: Option<Method>,
-    /// Which expansion the spectra of one window hold (--windows 1x1): taylor (the thesis') or optimal (fewest terms) [default: optimal for
-    /// pictures; else taylor where 32-bit floats hold it]
+    /// Expansion of one window's spectra (--windows 1x1): taylor (the thesis') or optimal (fewest terms) [default: optimal for pictures;
+    /// else taylor if 32-bit floats hold it]
     #[arg(long, value_name = "BASIS", value_parser = basis)]
     pub basis: Option<Basis>,
-    /// Relative error that you accept; everything else follows from it unless named [default: 1e-2]
+    /// Relative error that you accept; all other accuracy settings follow from it unless named [default: 1e-2]
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
-    /// Terms of the expansion (--windows 1x1), instead of what the tolerance asks for
+    /// Terms of the expansion (--windows 1x1), instead of the number that the tolerance needs
     #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
     pub terms: Option<usize>,
-    /// Coherence of the light: gaussian:LENGTH, or grating:NxM for a finite grating of so many copies of the patch (also repeats:NxM)
+    /// Coherence of the light: gaussian:LENGTH, or grating:NxM for a finite grating of that many copies of the patch (also repeats:NxM)
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
-    /// Positions of the coherence window to average over: all (what a pixel sees), 1x1 (the thesis' one window, which shows speckle) or
+    /// Positions of the coherence window to average over: all (as a pixel does), 1x1 (the thesis' single window, which shows speckle) or
     /// NxM of them [default: all; 1x1 for a finite grating]
     #[arg(long, value_name = "all|NxM", value_parser = windows, allow_hyphen_values = true)]
     pub windows: Option<Windows>,
-    /// How the surface goes on beyond the patch (--windows all): copies (the patch tiles, and its orders show) or alike (it goes on with the
-    /// same statistics) [default: copies where the field tiles, else alike]
+    /// Continuation of the surface beyond the patch (--windows all): copies (a periodic surface, whose orders show) or alike (a surface
+    /// with the same statistics) [default: copies if the edges of the field meet, else alike]
     #[arg(long, value_name = "copies|alike", value_parser = beyond)]
     pub beyond: Option<Beyond>,
     /// Refractive index of the surface, at every wavelength [default: 1.5]
     #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true)]
     pub ior: Option<f64>,
-    /// What the surface is made of, for Fresnel's equations at every wavelength: glass, keratin, aluminium, silver, gold, copper, nickel,
+    /// Material of the surface, for Fresnel's equations at every wavelength: glass, keratin, aluminium, silver, gold, copper, nickel,
     /// silicon, or a CSV file of wavelength in nm, n and k
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file), conflicts_with = "ior")]
     pub material: Option<Material>,
@@ -103,24 +104,27 @@ pub struct OpticsOptions {
     /// degrees) [default: fresnel]
     #[arg(long, value_name = "fresnel|schlick", value_parser = law, conflicts_with_all = ["material", "film"])]
     pub reflectance: Option<DielectricLaw>,
-    /// A thin transparent film on the surface, of this thickness and refractive index, as in 120nm:1.7
+    /// Thin transparent film on the surface, with thickness and refractive index, as in 120nm:1.7
     #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true)]
     pub film: Option<Film>,
+    /// Polarisation of the light: te (electric field perpendicular to the plane of light and viewer), tm (in it) or none [default: none]
+    #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
+    pub polarisation: Option<Polarisation>,
 }
 
 impl OpticsOptions {
-    /// How the optics of single directions is computed.
+    /// Returns the method for single directions.
     pub fn method(&self) -> Method {
         self.method.unwrap_or(Method::Spectral)
     }
 
-    /// How the optics of pictures is computed: where there is a mean, colours are tabulated.
+    /// Returns the method for pictures: a colour table for the mean over all windows, unless the user names another.
     pub fn picture_method(&self) -> Method {
         let unless_named = if self.windows() == Windows::All { Method::Table } else { Method::Spectral };
         self.method.unwrap_or(unless_named)
     }
 
-    /// Positions of the window.
+    /// Returns the positions of the window.
     pub fn windows(&self) -> Windows {
         let unless_named = match self.coherence {
             Coherence::Gaussian { .. } => Windows::All,
@@ -129,10 +133,10 @@ impl OpticsOptions {
         self.windows.unwrap_or(unless_named)
     }
 
-    /// Fails for options that do not go together.
+    /// Checks that the options go together.
     ///
     /// # Errors
-    /// With what to change.
+    /// Options that do not, with the remedy.
     pub fn check(&self) -> Result<()> {
         let all = self.windows() == Windows::All;
         let of_one_window = [("--basis", self.basis.is_some()), ("--terms", self.terms.is_some())];
@@ -144,6 +148,13 @@ impl OpticsOptions {
                 format!("add --windows 1x1, or leave {name} away"),
             ));
         }
+        let polarised = self.polarisation.is_some_and(|light| light != Polarisation::None);
+        if polarised && self.reflectance == Some(DielectricLaw::Schlick) {
+            return Err(Error::usage(
+                "Schlick's approximation knows no polarisation",
+                "leave --reflectance schlick away, for Fresnel's equations",
+            ));
+        }
         if self.beyond.is_some() && !all {
             return Err(Error::usage(
                 "--beyond is about the mean over all windows",
@@ -153,37 +164,40 @@ impl OpticsOptions {
         Ok(())
     }
 
-    /// What the surface reflects, where the options name it.
-    pub fn reflectance(&self) -> Option<Reflectance> {
+    /// Returns the reflectance of the surface: that of the scene, unless the options name a material, in light of their polarisation.
+    pub fn reflectance(&self, scene: Option<&Reflectance>) -> Reflectance {
+        let named = self.named_reflectance().or_else(|| scene.cloned());
+        named.unwrap_or_default().polarised(self.polarisation.unwrap_or_default())
+    }
+
+    /// Returns the reflectance that the options name, in unpolarised light.
+    fn named_reflectance(&self) -> Option<Reflectance> {
         if self.material.is_none() && self.film.is_none() {
             let named = self.ior.is_some() || self.reflectance.is_some();
             let law = self.reflectance.unwrap_or(DielectricLaw::Fresnel);
             return named.then(|| law.of_index(self.ior.unwrap_or(DEFAULT_IOR)));
         }
         let plain = || Material::constant(self.ior.unwrap_or(DEFAULT_IOR));
-        let material = self.material.clone().unwrap_or_else(plain);
-        Some(Reflectance::Fresnel { material, film: self.film })
+        Some(Reflectance::of_material(self.material.clone().unwrap_or_else(plain), self.film))
     }
 
-    /// The file that the material is read from, if it is one and not a built-in.
+    /// Returns the file of the material; `None` for a built-in one.
     pub fn files(&self) -> Option<&OsStr> {
         let name = self.material.as_ref().map(|material| OsStr::new(&material.name));
         name.filter(|name| !Material::is_built_in(name))
     }
 
-    /// `shading` of what `scene` is made of, unless the options name it.
+    /// Returns `shading` with the material of `scene`, unless the options name another.
     pub fn material_of(&self, scene: &Scene, shading: Shading) -> Shading {
-        let of_scene = || scene.reflectance.clone();
-        let reflectance = self.reflectance().or_else(of_scene).unwrap_or_default();
-        Shading { reflectance, ..shading }
+        Shading { reflectance: self.reflectance(scene.main_object().reflectance.as_ref()), ..shading }
     }
 
-    /// Relative error that the user accepts.
+    /// Returns the relative error that the user accepts.
     pub fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(Shading::default().tolerance)
     }
 
-    /// The settings that the options stand for, where single wavelengths of single directions of `field` are asked for.
+    /// Returns the settings for single wavelengths of single directions of `field`.
     pub fn monochrome(&self, field: &HeightField) -> Shading {
         let shading = self.with_basis(Basis::Taylor);
         let beyond = self.beyond.unwrap_or_else(|| setup::beyond_of(field));
@@ -193,24 +207,24 @@ impl OpticsOptions {
         }
     }
 
-    /// The settings that the options stand for, where colours of single directions of `field` are asked for.
+    /// Returns the settings for colours of single directions of `field`.
     pub fn shading(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
         self.check()?;
         colour.of(self.monochrome(field))
     }
 
-    /// The settings that the options stand for, where pictures are asked for.
+    /// Returns the settings for pictures.
     pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Shading> {
         self.check()?;
         Ok(colour.of(self.with_basis(self.basis_of_pictures()))?.for_pictures())
     }
 
-    /// `shading` with the user's word on what is beyond the patch, or what `field` suggests.
+    /// Returns `shading` with the continuation beyond the patch that the user names, or that suits `field`.
     pub fn beyond_of(&self, field: &HeightField, shading: Shading) -> Shading {
         Shading { beyond: self.beyond.unwrap_or_else(|| setup::beyond_of(field)), ..shading }
     }
 
-    /// The expansion of pictures: of every sweep that `trade` made, the one with the fewest reads for the same error.
+    /// Returns the expansion for pictures: in every sweep of `trade`, the one with the fewest reads for the same error.
     pub fn basis_of_pictures(&self) -> Basis {
         self.basis.unwrap_or(Basis::Optimal)
     }
@@ -220,7 +234,7 @@ impl OpticsOptions {
             coherence: self.coherence,
             windows: self.windows(),
             beyond: self.beyond.unwrap_or_default(),
-            reflectance: self.reflectance().unwrap_or_default(),
+            reflectance: self.reflectance(None),
             tolerance: self.tolerance(),
             basis: self.basis.unwrap_or(unless_named),
             terms: self.terms,
@@ -229,25 +243,25 @@ impl OpticsOptions {
     }
 }
 
-/// From wavelengths to a colour.
+/// Options of the conversion from wavelengths to a colour.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Optics")]
 pub struct ColourOptions {
-    /// Wavelengths of a colour, instead of what the tolerance asks for
+    /// Wavelengths of a colour, instead of the number that the tolerance needs
     #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
     pub wavelengths: Option<usize>,
-    /// The light's spectrum: d65, a, e, led, or a CSV file of wavelength in nm and power
+    /// Spectrum of the light: d65, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
     pub illuminant: OsString,
 }
 
 impl ColourOptions {
-    /// The file that the options name, if it is one and not a built-in.
+    /// Returns the file of the spectrum; `None` for a built-in one.
     pub fn files(&self) -> Option<&OsStr> {
         Some(self.illuminant.as_os_str()).filter(|name| !Illuminant::is_built_in(name))
     }
 
-    /// `shading` with what the options say of colours.
+    /// Returns `shading` with the colour settings of the options.
     fn of(&self, shading: Shading) -> Result<Shading> {
         let illuminant = Illuminant::from_name_or_file(&self.illuminant)?;
         tell_of_missing_light(&illuminant);
@@ -255,7 +269,7 @@ impl ColourOptions {
     }
 }
 
-/// Tells, once a run, where a spectrum does not reach over all that is visible.
+/// Warns, once a run, if a spectrum does not cover the visible range.
 fn tell_of_missing_light(illuminant: &Illuminant) {
     static TOLD: Once = Once::new();
     if let Some([first, last]) = illuminant.missing_light() {
@@ -277,17 +291,17 @@ pub struct DeviceOptions {
 }
 
 impl DeviceOptions {
-    /// What the user wishes for.
+    /// Returns the device that the user asks for.
     pub fn wish(&self) -> DeviceChoice {
         self.device.clone().unwrap_or_default()
     }
 }
 
-/// What is kept for next time.
+/// Options of the cache.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cache")]
 pub struct CacheOptions {
-    /// Most bytes that results kept for next time may take on disk, as in 500MiB; 0 keeps none (see `diffract cache`)
+    /// Largest size of the cache on disk, as in 500MiB; 0 turns it off (see `diffract cache`)
     #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB")]
     pub cache_size: u64,
 }
@@ -299,7 +313,7 @@ impl CacheOptions {
     }
 }
 
-/// A finite number within `range`, ends included; `what` it is stands in the error.
+/// Parses a finite number within `range`, ends included; errors call it `what`.
 pub fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
     let value = text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     value.filter(|x| (range.0..=range.1).contains(x)).ok_or_else(|| {
@@ -310,7 +324,7 @@ pub fn real(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
     })
 }
 
-/// A length within `range` \[µm\], ends included; `what` it is stands in the error.
+/// Parses a length within `range` \[µm\], ends included; errors call it `what`.
 pub fn length_within(text: &str, range: (f64, f64), what: &str) -> Result<f64> {
     let length = units::length(text)?;
     if (range.0..=range.1).contains(&length) {
@@ -328,7 +342,7 @@ fn whole(text: &str, range: (usize, usize), what: &str) -> Result<usize> {
     })
 }
 
-/// A seed: any whole number of 64 bits.
+/// Parses a seed: any whole number of 64 bits.
 pub fn seed(text: &str) -> Result<u64> {
     text.trim().parse().map_err(|_| {
         Error::usage(format!("`{text}` is no seed"), format!("give a whole number from 0 to {}", u64::MAX))
@@ -340,7 +354,7 @@ fn basis(text: &str) -> Result<Basis> {
     named.ok_or_else(|| Error::usage(format!("there is no basis `{text}`"), "give taylor or optimal"))
 }
 
-/// A relative error.
+/// Parses a relative error.
 pub fn tolerance(text: &str) -> Result<f64> {
     real(text, TOLERANCES, "tolerance")
 }
@@ -353,17 +367,17 @@ fn wavelengths(text: &str) -> Result<usize> {
     whole(text, WAVELENGTHS, "wavelengths")
 }
 
-/// A refractive index.
+/// Parses a refractive index.
 pub fn ior(text: &str) -> Result<f64> {
     real(text, IORS, "refractive index")
 }
 
-/// How many pixels are compared with the reference.
+/// Parses the number of pixels that are compared with the reference.
 pub fn sample_pixels(text: &str) -> Result<usize> {
     whole(text, (1, MAX_SAMPLED), "pixels")
 }
 
-/// Exposure in stops.
+/// Parses an exposure in stops.
 pub fn exposure(text: &str) -> Result<f64> {
     real(text, (-40.0, 40.0), "exposure in stops")
 }
@@ -394,7 +408,7 @@ fn bounded(text: &str, counts: [u32; 2], most: u32, what: &str) -> Result<[u32; 
     Err(Error::usage(format!("`{text}` are too many {what}"), format!("give at most {most}x{most}")))
 }
 
-/// What surrounds the patch, as the command line has it.
+/// Parses a coherence.
 pub fn coherence(text: &str) -> Result<Coherence> {
     const FORM: &str = "give gaussian:LENGTH as in gaussian:65um, or grating:NxM as in grating:3x3";
     match text.split_once(':') {

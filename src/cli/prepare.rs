@@ -1,4 +1,4 @@
-//! What commands need before they can shade: a device, and a source, from the cache or made with a progress bar.
+//! Preparation of commands that shade: a device, and a source, from the cache or made with a progress bar.
 
 use super::remedies::in_options;
 use super::verbosity::detail;
@@ -20,17 +20,17 @@ use std::ffi::OsStr;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 
-/// Opens the device that `wish` means.
+/// Opens the device that `wish` names.
 pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
     Device::open(Arc::new(Instance::new(validation())?), wish)
 }
 
-/// Fails if validation had anything to say about `device` so far.
+/// Fails if there are validation messages about `device` so far.
 pub fn finish(device: &Device) -> Result<()> {
     check_validation(&device.instance().messages())
 }
 
-/// The scene called `name`, its mesh file read with a progress bar.
+/// Opens the scene called `name`, with a progress bar while the mesh file is read.
 pub fn scene(name: &OsStr) -> Result<Scene> {
     let bar = progress_bar("mesh");
     let scene = Scene::open_telling(name, &|what, done, of| show(&bar, what, done, of));
@@ -38,7 +38,7 @@ pub fn scene(name: &OsStr) -> Result<Scene> {
     scene
 }
 
-/// The source of `field` under `settings` on `device`, from what is `in_use`, from the cache or made with a progress bar.
+/// Returns the source of `field` under `settings` on `device`: one of `in_use`, from the cache, or made with a progress bar.
 pub fn source(
     field: &HeightField,
     settings: &Settings,
@@ -74,8 +74,8 @@ pub fn source(
     Ok(made.source)
 }
 
-/// Lets `ask` have the BRDF of `field` under `settings` and its share in the mean, as [`setup::for_each_window`], on the device that `wish`
-/// means.
+/// Calls `ask` with the BRDF of `field` under `settings` and its share in the mean, like [`setup::for_each_window`], on the device that
+/// `wish` names.
 pub fn for_each_window(
     field: &HeightField,
     settings: &Settings,
@@ -96,7 +96,7 @@ pub fn for_each_window(
         let device = device(wish)?;
         Ok(opened.get_or_init(|| device).clone())
     };
-    // A device that is named has to be there, also for what the processor computes.
+    // A named device has to exist, even if the CPU computes everything.
     if *wish != DeviceChoice::default() {
         open()?;
     }
@@ -105,7 +105,7 @@ pub fn for_each_window(
     opened.get().map_or(Ok(()), |device| finish(device))
 }
 
-/// Shows on `bar` how much of `what` is done.
+/// Shows on `bar` that `done` of `of` parts of the step `what` are done.
 pub fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {
     bar.set_message(what);
     bar.set_length(of as u64);
@@ -113,7 +113,7 @@ pub fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Re
     Ok(())
 }
 
-/// Tells, once a run, where `field` is sampled too coarsely for directions at wavelengths from `shortest` \[µm\].
+/// Warns, once a run, if `field` is sampled too coarsely for directions at wavelengths from `shortest` \[µm\].
 pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
     static TOLD: Once = Once::new();
     if let Some(Limit { axis, spacing, largest, needed }) = sampling::limit(field.pixel_size(), shortest) {
@@ -129,7 +129,7 @@ pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
     }
 }
 
-/// A progress bar on stderr, drawn on a terminal only.
+/// Returns a progress bar on stderr, drawn on a terminal only.
 pub fn progress_bar(what: &'static str) -> ProgressBar {
     let bar = if quiet() { ProgressBar::hidden() } else { ProgressBar::new(1) };
     if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {

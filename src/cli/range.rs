@@ -49,19 +49,19 @@ impl Range {
         Ok(Self { low: *low, step: *step, count: (steps + SLACK).floor() as usize + 1 })
     }
 
-    /// The values in increasing order.
+    /// Returns the values in increasing order.
     pub fn values(&self) -> Vec<f64> {
         // Rounding makes steps of 0.01 print as such.
         let scale = 1e3 / SMALLEST_STEP;
         (0..self.count).map(|i| ((self.low + i as f64 * self.step) * scale).round() / scale).collect()
     }
 
-    /// Distance between neighbouring values.
+    /// Returns the distance between neighbouring values.
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// Number of values, at least 1.
+    /// Returns the number of values, at least 1.
     pub fn count(&self) -> usize {
         self.count
     }

@@ -1,14 +1,14 @@
-//! What helps against an error, in options of the command line.
+//! Remedies of errors, in options of the command line.
 
 use crate::error::{Error, Remedy};
 use std::borrow::Cow;
 
-/// The error in one line that names options.
+/// Returns the error in one line that names options.
 pub fn in_options(error: &Error) -> String {
     error.in_words(option)
 }
 
-/// What to type for `remedy`.
+/// Returns the words to type for `remedy`.
 fn option(remedy: &Remedy) -> Cow<'_, str> {
     Cow::Borrowed(match remedy {
         Remedy::Words(words) => words,

@@ -1,5 +1,6 @@
 //! `diffract render`: a scene into a file, or a sequence of pictures into numbered ones.
 
+use super::exported::ExportedTable;
 use super::finished::{self, KeptPicture, SequenceOrigin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, sample_pixels,
@@ -7,7 +8,7 @@ use super::options::{
 use super::sequence::SequenceOptions;
 use super::verbosity::say;
 use super::{captions, prepare, scale};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::files::Files;
 use crate::measure::error;
 use crate::optics::nufft;
@@ -18,11 +19,11 @@ use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::LightPass;
 use crate::render::object::ObjectTextures;
-use crate::render::picture::Picture;
 use crate::render::rays::{self, RayScene, RaySettings};
 use crate::render::reference_picture::{
     self, ReferenceObject, ReferenceSamples, displayed_of, reference_mean,
 };
+use crate::render::renderer::Picture;
 use crate::render::sampling::Sampling;
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
@@ -51,7 +52,7 @@ pub struct Arguments {
     /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: OsString,
-    /// Where the picture goes: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel, in a .png before
+    /// Output file: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel, in a .png before
     /// surroundings 1
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -63,7 +64,7 @@ pub struct Arguments {
     /// Samples a pixel, each with the camera moved inside the pixel: 1 to 4096; 1 looks at pixel centres only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "16")]
     samples: u32,
-    /// Shade only so many random pixels of those that the mesh covers (--method reference only)
+    /// Shade only this many random pixels of those that the mesh covers (--method reference only)
     #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
     sample_pixels: Option<usize>,
     #[command(flatten)]
@@ -74,6 +75,9 @@ pub struct Arguments {
     optics: OpticsOptions,
     #[command(flatten)]
     colour: ColourOptions,
+    /// Read the colour table of an export of the same surface and settings instead of making one
+    #[arg(long, value_name = "FOLDER")]
+    table: Option<PathBuf>,
     #[command(flatten)]
     device: DeviceOptions,
     #[command(flatten)]
@@ -81,13 +85,13 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// The scene.
+    /// Returns the scene.
     pub fn scene(&self) -> &OsStr {
         &self.scene
     }
 }
 
-/// Draws and writes.
+/// Draws the pictures and writes them.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     let format = PictureFormat::of(&arguments.output)?;
@@ -110,6 +114,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
         ));
+    }
+    if arguments.table.is_some() && method != Method::Table {
+        return Err(Error::usage("--table reads a colour table", Remedy::TableMethod));
     }
     let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let mut scene = prepare::scene(&arguments.scene)?;
@@ -139,16 +146,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     draw(arguments, format, &work, &views, &shots)
 }
 
-/// What all pictures of a run have in common.
+/// State that all pictures of a run share.
 struct PictureWork<'a> {
     scene: &'a Scene,
     field: &'a HeightField,
-    /// Those of all objects.
+    /// Surfaces of all objects.
     surfaces: &'a [ObjectSurface],
     settings: &'a PictureSettings,
-    /// Random pixels of a reference picture; all where there is no number.
+    /// Number of random pixels of a reference picture; `None`: all.
     shaded: Option<usize>,
-    /// Whether the exposure is measured, and not the scene's.
+    /// True if the exposure is measured instead of the scene's.
     measured: bool,
 }
 
@@ -160,16 +167,16 @@ impl PictureWork<'_> {
     }
 }
 
-/// A picture that is to be drawn.
+/// Picture to be drawn.
 struct Shot {
     view: View,
     output: PathBuf,
     notes: Notes,
-    /// True if its file gets a hash of itself, by which a later run knows that it is whole.
+    /// True if the file gets a hash of its contents, by which a later run recognises a complete file.
     is_sealed: bool,
 }
 
-/// The one picture of `view`, or those of the `sequence` that begins with it and are not there yet.
+/// Returns the one picture of `view`, or the missing pictures of the `sequence` that begins with it.
 fn shots(
     output: &Path,
     sequence: Option<&Sequence>,
@@ -203,7 +210,7 @@ fn shots(
     Ok(shots)
 }
 
-/// Draws `shots` from one source, which is made for `views`, the first of which all exposures follow, and writes each as it is finished.
+/// Draws `shots` from one source and writes each as it is finished. The source is made for all `views`; the exposure follows the first.
 fn draw(
     arguments: &Arguments,
     format: PictureFormat,
@@ -215,19 +222,21 @@ fn draw(
     let PictureWork { scene, surfaces, settings, .. } = *work;
     let shading = &settings.optics.shading;
     let reference = settings.optics.method == Method::Reference;
-    let textured = scene.pigment.is_some() || scene.objects.iter().any(|object| object.pigment.is_some());
+    let textured = scene.objects.iter().any(|object| object.pigment.is_some());
     if reference && textured {
         return Err(Error::usage(
             "--method reference knows no pigment texture",
             "leave `pigment` out of the scene",
         ));
     }
+    let exported = arguments.table.as_deref().map(ExportedTable::open).transpose()?;
     let device = prepare::device(&arguments.device.wish())?;
     let mut in_use = InUse::default();
     let make = |surface: &ObjectSurface| match (&surface.field, surface.optics.method) {
-        // The reference casts rays of its own; this source has no data.
+        // The reference casts its rays in f64; this source has no data.
         (_, Method::Reference) => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
         (None, _) => Ok(setup::pigment_alone()),
+        (Some(field), _) if let Some(exported) = &exported => exported.source(field, &surface.optics),
         (Some(field), _) => prepare::source(field, &surface.optics, &device, &mut in_use),
     };
     let mut prepared = PreparedScene::new(&device, (scene, surfaces), settings, views, make)?;
@@ -244,7 +253,7 @@ fn draw(
         shown.exposure = told_exposure(measured, scene);
         prepared.show(shown);
     }
-    scale::tell(prepared.painter(), &first.view, scene, shading.coherence)?;
+    scale::tell(prepared.renderer(), &first.view, scene, shading.coherence)?;
     let progress = Progress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);
@@ -253,7 +262,7 @@ fn draw(
             None => {
                 let samples = settings.sampling.count as usize;
                 let picture = prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?;
-                // A single sample tells nothing of itself.
+                // A single sample has no progress to report.
                 told(samples, samples)?;
                 picture
             }
@@ -269,19 +278,19 @@ fn draw(
     prepare::finish(&device)
 }
 
-/// One bar over all pictures, gone with its value.
+/// Progress bar over all pictures, removed on drop.
 struct Progress {
     bar: ProgressBar,
     pictures: usize,
 }
 
 impl Progress {
-    /// Of so many pictures, each of which consists of `parts`.
+    /// Returns the bar of so many pictures, each of which consists of `parts`.
     fn over(pictures: usize, parts: &'static str) -> Self {
         Self { bar: prepare::progress_bar(parts), pictures }
     }
 
-    /// Shows that of the parts `of` picture number `number`, from 0, so many are `done`.
+    /// Shows that `done` of the parts `of` picture number `number`, from 0, are done.
     fn show(&self, number: usize, done: usize, of: usize) -> Result<()> {
         if self.pictures > 1 {
             self.bar.set_message(format!("picture {} of {}", number + 1, self.pictures));
@@ -298,9 +307,9 @@ impl Drop for Progress {
     }
 }
 
-/// Measures the exposure that suits `view` \[stops\] in one sample of random pixels of the reference; `None` where nothing is lit.
+/// Measures the exposure that suits `view` \[stops\] in one sample of random pixels of the reference; `None` without light.
 fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) -> Result<Option<f64>> {
-    /// Pixels whose mean is certain to about a tenth of a stop; each of the reference takes long.
+    /// Number of pixels whose mean is certain to about a tenth of a stop; each pixel of the reference takes long.
     const PIXELS: usize = 2000;
     let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
     let one = PictureWork { settings: &settings, shaded: Some(PIXELS), ..*work };
@@ -308,7 +317,7 @@ fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) 
     Ok(exposure::automatic(&picture.radiance))
 }
 
-/// Tells the `measured` exposure \[stops\], or that of `scene` where nothing is lit, and returns it.
+/// Prints and returns the `measured` exposure \[stops\], or that of `scene` without light.
 fn told_exposure(measured: Option<f64>, scene: &Scene) -> f64 {
     let stops = measured.unwrap_or(scene.exposure);
     let unlit = if measured.is_none() { ", the scene's own: nothing is lit" } else { "" };
@@ -316,7 +325,7 @@ fn told_exposure(measured: Option<f64>, scene: &Scene) -> f64 {
     stops
 }
 
-/// Computes the f64 picture of `view`, of all pixels that a sample covers or of the wanted number of random ones of them.
+/// Computes the f64 picture of `view`, of all pixels that a sample covers or of some random ones of them.
 fn reference_picture(
     rays: &RayScene<'_>,
     view: &View,
@@ -340,9 +349,10 @@ fn reference_picture(
         }
         None => None,
     };
-    // The sample's pixels grow.
+    // Pixel indices increase, so that a binary search finds them.
     let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
-    let colors = std::iter::once(view.base_color).chain(work.scene.objects.iter().map(|o| o.base_color));
+    let colors =
+        std::iter::once(view.base_color).chain(work.scene.objects.iter().skip(1).map(|o| o.base_color));
     let mut objects = Vec::new();
     for (ObjectSurface { field, optics }, base_color) in surfaces.iter().zip(colors) {
         objects.push(ReferenceObject { field: field.as_deref(), shading: &optics.shading, base_color });

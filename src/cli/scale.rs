@@ -1,34 +1,34 @@
-//! How much of the surface a pixel shows, against the light's coherence: whether the mean over coherence areas is what is seen.
+//! Size of a pixel on the surface relative to the light's coherence: is the mean over coherence areas a good approximation?
 
 use super::verbosity::{detail, quiet, say};
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::render::footprints::median_pixel_area;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
+use crate::render::renderer::Renderer;
 use crate::scene::Scene;
 
-/// Coherence areas in a pixel below which single ones still show as grain: the standard deviation of the mean of ten independent areas of
+/// Coherence areas in a pixel below which single areas still show as grain: the standard deviation of the mean of ten independent areas of
 /// fully developed speckle is a third of the mean (1/√10; Goodman, Speckle Phenomena in Optics, 3.1).
 const FEWEST: f64 = 10.0;
 const MICROMETRES_PER_METRE: f64 = 1e6;
 
-/// Tells how many coherence areas the median covered pixel of `view` shows, and warns where they are few.
+/// Prints the number of coherence areas in the median covered pixel of `view`, and a warning if there are few.
 ///
 /// # Errors
-/// Where the device is lost.
-pub fn tell(painter: &mut Painter, view: &View, scene: &Scene, coherence: Coherence) -> Result<()> {
+/// A lost device.
+pub fn tell(renderer: &mut Renderer, view: &View, scene: &Scene, coherence: Coherence) -> Result<()> {
     let Coherence::Gaussian { length } = coherence else { return Ok(()) };
     if quiet() || view.light_count() == 0 {
         return Ok(());
     }
-    let Some(area) = median_pixel_area(painter, view)? else { return Ok(()) };
+    let Some(area) = median_pixel_area(renderer, view)? else { return Ok(()) };
     let micrometres = scene.unit * MICROMETRES_PER_METRE;
     let areas = area * micrometres.powi(2) / length.powi(2);
     detail(&format_args!(
         "a pixel shows {:.3} mm2 of the surface (median), {areas:.3} coherence areas of ({length} um)2; a unit of the scene is {} m",
         area * (scene.unit * 1e3).powi(2),
-        // To a nanometre: no unit is known better.
+        // Rounded to a nanometre: no unit is known better.
         (scene.unit * 1e9).round() / 1e9
     ));
     if areas < FEWEST {

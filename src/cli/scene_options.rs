@@ -1,4 +1,4 @@
-//! The options that a scene file holds. They stand before those that the user gives, which replace them.
+//! Options in a scene file. They stand before those of the user, which replace them.
 
 use super::usage_error::in_one_line;
 use super::{Arguments, Command};
@@ -7,8 +7,8 @@ use crate::scene::scene_file;
 use clap::{CommandFactory, FromArgMatches};
 use std::ffi::{OsStr, OsString};
 
-/// `words` (the program's name first), of which `arguments` were made, with the options of the scene file that they name; `None` where it has
-/// none.
+/// Returns the arguments of `words` (the program's name first) with the options of the scene file that they name; `None` if the file has
+/// none. `arguments` are those of `words` alone.
 ///
 /// # Errors
 /// A scene file that cannot be read, and options that no picture has.
@@ -22,7 +22,7 @@ pub fn with_those_of_the_scene(words: &[OsString], arguments: &Arguments) -> Res
     };
     let Some(options) = of(scene, command)? else { return Ok(None) };
     let program = Arguments::command().mut_subcommand(command, |c| c.args_override_self(true));
-    // Options of the program may stand before the command.
+    // Global options may stand before the command.
     let place = words.iter().position(|word| word == command).map_or(words.len(), |place| place + 1);
     let all = [&words[..place], &options, &words[place..]].concat();
     let matches = program.try_get_matches_from(all);
@@ -30,10 +30,10 @@ pub fn with_those_of_the_scene(words: &[OsString], arguments: &Arguments) -> Res
     expanded.map(Some).map_err(|e| in_one_line(&e, command).at(scene.display()))
 }
 
-/// The options of the scene called `scene` as `command` takes them; `None` where it has none.
+/// Returns the options of the scene called `scene`, as `command` takes them; `None` if it has none.
 ///
 /// # Errors
-/// As [`with_those_of_the_scene`].
+/// See [`with_those_of_the_scene`].
 pub fn of(scene: &OsStr, command: &str) -> Result<Option<Vec<OsString>>> {
     let options = scene_file::options_of(scene)?;
     let program = Arguments::command();
@@ -49,7 +49,7 @@ pub fn of(scene: &OsStr, command: &str) -> Result<Option<Vec<OsString>>> {
                 Error::failed(what, format!("give some of {}", OF_SCENES.join(", "))).at(scene.display())
             );
         }
-        // Other commands compute less: what they have no option for does not concern them.
+        // Other commands compute less: options that they lack do not concern them.
         if knows(command, name) {
             words.push(OsString::from(format!("--{name}={value}")));
         }
@@ -57,8 +57,8 @@ pub fn of(scene: &OsStr, command: &str) -> Result<Option<Vec<OsString>>> {
     Ok((!words.is_empty()).then_some(words))
 }
 
-/// Options that a scene file may hold: what the surface is and how its optics is computed.
-pub const OF_SCENES: [&str; 15] = [
+/// Options that a scene file may hold: the surface and its optics.
+pub const OF_SCENES: [&str; 16] = [
     "method",
     "windows",
     "beyond",
@@ -70,6 +70,7 @@ pub const OF_SCENES: [&str; 15] = [
     "ior",
     "reflectance",
     "film",
+    "polarisation",
     "illuminant",
     "samples",
     "seed",

@@ -5,27 +5,28 @@ use crate::render::sequence::{Motion, Sequence};
 use clap::Args;
 use std::ops::Range;
 
-/// Most pictures of a sequence: seven minutes at 24 a second.
+/// Largest number of pictures of a sequence: seven minutes at 24 a second.
 const MOST: i64 = 10_000;
 
-/// Which pictures are drawn instead of one.
+/// Options of a sequence of pictures.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Sequence")]
 pub struct SequenceOptions {
-    /// N pictures, once around: the camera turns about its target by 360/N degrees from each to the next, about the world's up. With
-    /// `-o turn.png` the files are turn-0000.png, turn-0001.png and so on. Those that an earlier run finished are kept
+    /// N pictures, once around: the camera turns about its target by 360/N degrees from each to the next, about the world's up. With `-o
+    /// turn.png` the files are turn-0000.png, turn-0001.png and so on. Pictures that an earlier run finished are kept
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true)]
     turntable: Option<u32>,
     /// N pictures, once around: all lights and the surroundings turn about the world's up by 360/N degrees from each to the next. Files as for --turntable
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true)]
     light_sweep: Option<u32>,
-    /// Draw only pictures A to B-1 of the sequence, counted from 0: 0..24 are the first 24. Several machines can share a sequence so
+    /// Draw only pictures A to B-1 of the sequence, counted from 0: 0..24 are the first 24. In this way several machines can share a
+    /// sequence
     #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true)]
     frames: Option<Range<u32>>,
 }
 
 impl SequenceOptions {
-    /// The sequence that the options ask for, if they ask for one.
+    /// Returns the sequence that the options ask for, if any.
     ///
     /// # Errors
     /// Options that do not go together.
@@ -59,7 +60,7 @@ impl SequenceOptions {
     }
 }
 
-/// The pictures `A..B` of a sequence, the last one left out.
+/// Parses the pictures `A..B` of a sequence; the last one is excluded.
 ///
 /// # Errors
 /// Anything but two whole numbers, the first below the second.

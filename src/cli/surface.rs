@@ -1,11 +1,11 @@
-//! `diffract surface`: what is in a height field, other formats of it, and generated ones.
+//! `diffract surface`: statistics of height fields, conversion of formats, and generated surfaces.
 
 mod convert;
 mod report;
 
-mod describe;
+pub(super) mod describe;
 mod hemisphere;
-mod plot;
+pub(super) mod plot;
 #[cfg(test)]
 mod worked_example;
 
@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::figure;
 use crate::files::Files;
 use crate::optics::material::Material;
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::validity::ScalarTheory;
 use crate::surface::files::write::ScanFormat;
@@ -27,10 +28,10 @@ use clap::{Args, Subcommand};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// What to do with a surface.
+/// Commands about a surface.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// What is in a height field, and what it will cost
+    /// Statistics of a height field, and the cost of its optics
     Info(Info),
     /// Write a height field in another format, heights unchanged
     Convert(convert::Convert),
@@ -53,7 +54,10 @@ pub struct Info {
     /// Material of the surface, for the errors of scalar theory: as in `render` [default: refractive index 1.5]
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file))]
     material: Option<Material>,
-    /// A figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
+    /// Polarisation of the light, for the errors of scalar theory: te (along the grooves), tm (across them) or none [default: none]
+    #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
+    polarisation: Option<Polarisation>,
+    /// Draw a figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }
@@ -66,10 +70,10 @@ pub struct Synth {
     /// flat, sinusoid, blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed or tulip
     #[arg(value_parser = kind)]
     kind: SurfaceKind,
-    /// Where it goes: .png or .tif, 16-bit grey; .gsf, 32-bit floats; .gwy, .npy, .txt or .x3p, every digit
+    /// Output file: .png or .tif, 16-bit grey; .gsf, 32-bit floats; .gwy, .npy, .txt or .x3p, every digit
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Which one of the many surfaces of a random kind
+    /// Seed of a random surface
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     seed: u64,
     /// Side of the patch, rounded to whole periods, as in 20um or 20umx10um
@@ -105,9 +109,9 @@ pub fn run(command: &Command) -> Result<()> {
 impl Info {
     /// Returns the reflectance that the options ask for.
     fn reflectance(&self) -> Reflectance {
-        self.material
-            .clone()
-            .map_or_else(Reflectance::default, |material| Reflectance::Fresnel { material, film: None })
+        let material = self.material.clone();
+        let unpolarised = material.map_or_else(Reflectance::default, |m| Reflectance::of_material(m, None));
+        unpolarised.polarised(self.polarisation.unwrap_or_default())
     }
 }
 
@@ -134,7 +138,7 @@ fn info(arguments: &Info) -> Result<()> {
     write::stdout(&(file + &describe::text(&source, &field, &statistics, &theory)?))
 }
 
-/// Prints the report as JSON. Without a step it is about the heights as they are, with their gaps.
+/// Prints the report as JSON. Without preparation steps it is about the heights of the file, including gaps.
 fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<()> {
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
     let scan =
@@ -161,7 +165,7 @@ fn synthesise(arguments: &Synth) -> Result<()> {
     if let Some(format) = format {
         return convert::save(path, format, &Topography::of(field));
     }
-    // A flat field has code 0 all over: every height reads it back, and an option takes none of zero.
+    // A flat field has code 0 all over: any height reads it back, and the option takes no zero.
     let full_height = Some(image::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
     let [dx, dy] = field.pixel_size();
     let [columns, rows] = [field.columns(), field.rows()];

@@ -1,7 +1,7 @@
-//! Every reader of what strangers write, by name, as a function of bytes.
+//! Every reader of untrusted input, by name, as a function of bytes.
 //!
-//! The fuzz target in `fuzz/` calls these, and `tests/regressions` replays what it once found. A reader may refuse what
-//! it is given; it may not panic, overflow, hang, or take memory out of proportion.
+//! The fuzz target in `fuzz/` calls these, and `tests/regressions` replays the inputs that it once found. A reader may refuse its input; it
+//! may not panic, overflow, hang, or take memory out of proportion.
 
 use super::{eval, options, range, sequence, usage};
 use crate::cache::{self, Kept, Key};
@@ -27,13 +27,13 @@ use std::path::Path;
 /// A reader of one kind of input.
 #[derive(Clone, Copy, Debug)]
 pub struct UntrustedReader {
-    /// What it reads; the name of its folders in `fuzz/seeds` and `tests/regressions`.
+    /// Kind of input; the name of its folders in `fuzz/seeds` and `tests/regressions`.
     pub name: &'static str,
-    /// Reads all of the bytes. Panics only where a reader let something through that it must not.
+    /// Function that reads all of the bytes. It panics only if a reader accepted input that it must refuse.
     pub read: fn(&[u8]) -> Result<()>,
 }
 
-/// All of them.
+/// All readers.
 pub const READERS: [UntrustedReader; 26] = [
     UntrustedReader { name: "height_image", read: height_image },
     UntrustedReader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
@@ -66,7 +66,7 @@ pub const READERS: [UntrustedReader; 26] = [
     UntrustedReader { name: "command_line", read: command_line },
 ];
 
-/// Text, as [`crate::input::read_text`] has it.
+/// Returns the bytes as text, like [`crate::input::read_text`].
 fn text(bytes: &[u8]) -> Result<&str> {
     std::str::from_utf8(bytes).map_err(|e| Error::failed(format!("it is not text ({e})"), "give text"))
 }
@@ -82,7 +82,7 @@ fn height_image(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// Every channel of a file, as everything behind the reader gets it.
+/// Reads every channel of a file and converts it to a height field.
 fn scan(scan: Result<Scan>) -> Result<()> {
     let mut whole = Ok(());
     for channel in scan?.channels {
@@ -99,12 +99,12 @@ fn scan(scan: Result<Scan>) -> Result<()> {
     whole
 }
 
-/// Files that the scene names are looked for where there are none.
+/// Reads a scene, with a folder that does not exist for the files that it names.
 fn scene(bytes: &[u8]) -> Result<()> {
     Scene::parse(text(bytes)?, Path::new("/nowhere")).map(drop)
 }
 
-/// Surroundings, and the light that samples draw from them.
+/// Reads an environment map, and draws light samples from it.
 fn environment(bytes: &[u8]) -> Result<()> {
     let environment = Environment::from_bytes("environment", bytes)?;
     for index in [0, 8, 15] {
@@ -115,8 +115,8 @@ fn environment(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// What the cache keeps as a `T`: from a file as it is, or from one with a right check sum whose parts `bytes` give: a line with a number of
-/// zero bytes, a line of JSON that is the header, and the payload, which the zeros follow.
+/// Reads a cached `T`: from a file as it is, or from a file with a correct check sum that is made of `bytes`: a line with a number of zero
+/// bytes, a line with the JSON of the header, and the payload, which the zeros follow.
 fn kept<T: Kept>(bytes: &[u8]) -> Option<T> {
     const MEMORY: u64 = 64 << 20;
     const MOST_ZEROS: usize = 1 << 20;
@@ -139,7 +139,7 @@ fn layers(bytes: &[u8]) -> Result<()> {
     let Some(layers) = kept::<Layers>(bytes) else {
         return Err(Error::failed("there are no layers in it", "make them"));
     };
-    // What the shader's tables are counted from.
+    // Checks the numbers from which the shader's tables are sized.
     let pairs = layers.pairs_at(layers.z_max);
     let texels = layers.size[0] * layers.size[1] * 4 * layers.pairs();
     assert!(pairs <= layers.pairs() && texels == layers.texels.len(), "layers that do not fit their numbers");
@@ -150,7 +150,7 @@ fn colours(bytes: &[u8]) -> Result<()> {
     let Some(table) = kept::<ColorTable>(bytes) else {
         return Err(Error::failed("there is no colour table in it", "bake one"));
     };
-    // What textures are made of, and what reads them.
+    // Checks the sizes of the textures, and reads outside of the table.
     for (level, texels) in table.levels.iter().enumerate() {
         let count = table.header.grid.side_of(level).pow(2) * table.header.basis.layers() * 4;
         assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
@@ -163,7 +163,7 @@ fn colours(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// The rows of a sweep that goes on, and everything that is made of them.
+/// Reads the rows of an interrupted sweep, and makes all results from them.
 fn sweep(bytes: &[u8]) -> Result<()> {
     let rows = trade::from_csv(text(bytes)?, "f");
     if rows.is_empty() {
@@ -176,7 +176,7 @@ fn sweep(bytes: &[u8]) -> Result<()> {
     super::trade::figure(&rows, "Speed against accuracy", "A machine.").svg().map(drop)
 }
 
-/// Every kind of value that options and scenes take.
+/// Parses the bytes as every kind of value of options and scenes.
 fn values(bytes: &[u8]) -> Result<()> {
     let text = text(bytes)?;
     let limits = (-1e3, 1e5);
@@ -204,7 +204,7 @@ fn values(bytes: &[u8]) -> Result<()> {
     results.into_iter().find(Result::is_ok).unwrap_or_else(|| Err(Error::usage("it is no value", "give one")))
 }
 
-/// A word a line.
+/// Parses a command line, a word a line.
 fn command_line(bytes: &[u8]) -> Result<()> {
     let words = bytes.split(|b| *b == b'\n').map(word);
     usage::understand([OsString::from("diffract")].into_iter().chain(words)).map(drop)

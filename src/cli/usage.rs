@@ -1,4 +1,4 @@
-//! From the process's words to arguments; wrong use becomes the program's own one-line error.
+//! Parsing of the process's words into arguments; wrong use becomes a one-line error of the program.
 
 use super::usage_error::in_one_line;
 use super::{Arguments, scene_options, write};
@@ -8,11 +8,10 @@ use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
 use std::io::Write;
 
-/// The arguments that `words` (the program's name first) stand for; `None` where help or the version was asked for and
-/// is now on stdout.
+/// Parses `words` (the program's name first); `None` if they ask for help or the version, which is now on stdout.
 ///
 /// # Errors
-/// Words that cannot be meant: names the option, the value and where the help is.
+/// Words that cannot be meant: names the option, the value and the command for help.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Arguments>> {
     match understand(words)? {
         Understood::Work(arguments) => Ok(Some(*arguments)),
@@ -23,18 +22,18 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Argumen
     }
 }
 
-/// What a command line asks for.
+/// Result of parsing a command line.
 pub enum Understood {
-    /// A command.
+    /// Command to run.
     Work(Box<Arguments>),
-    /// Help or the version.
+    /// Text of the help or the version.
     Words(clap::Error),
 }
 
-/// What `words` (the program's name first) ask for; prints nothing.
+/// Parses `words` (the program's name first) without printing anything.
 ///
 /// # Errors
-/// As [`parse`].
+/// See [`parse`].
 pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Understood> {
     let words: Vec<OsString> = words.into_iter().collect();
     match Arguments::try_parse_from(&words) {
@@ -49,7 +48,7 @@ pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Understoo
     }
 }
 
-/// The command that the first words name, as in `diffract surface synth`.
+/// Returns the command that the first words name, as in `diffract surface synth`.
 fn command(words: &[OsString]) -> String {
     let mut command = Arguments::command();
     let mut named = command.get_name().to_owned();

@@ -1,10 +1,10 @@
-//! What clap has to say of wrong words, as the program's own one-line error.
+//! Conversion of clap's errors into one-line errors of the program.
 
 use crate::error::Error;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::error::Error as _;
 
-/// What clap has to say of wrong words for `command`, in the program's own words.
+/// Returns the one-line error for wrong words of `command`.
 pub fn in_one_line(e: &clap::Error, command: &str) -> Error {
     let see = format!("see `{command} --help`");
     let text = |kind| match e.get(kind) {
@@ -13,7 +13,7 @@ pub fn in_one_line(e: &clap::Error, command: &str) -> Error {
         _ => None,
     };
     let argument = text(ContextKind::InvalidArg).unwrap_or_default();
-    // The value parsers are ours, and so are their errors; only the option's name is missing.
+    // Errors of our value parsers are ready; only the option's name is missing.
     if let Some(own) = e.source().and_then(|source| source.downcast_ref::<Error>()) {
         return own.clone().at(argument).or(see);
     }
@@ -22,7 +22,7 @@ pub fn in_one_line(e: &clap::Error, command: &str) -> Error {
             return Error::usage("no command is given", see);
         }
         ErrorKind::InvalidUtf8 => "an argument is not UTF-8".to_owned(),
-        // The first paragraph is the error, what follows are tips and usage.
+        // The first paragraph is the error, tips and usage follow.
         _ => {
             let text = e.to_string();
             let first = text.split("\n\n").next().unwrap_or_default();

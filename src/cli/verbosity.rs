@@ -1,4 +1,4 @@
-//! How much the program tells on stderr beside its results and its errors.
+//! Amount of text on stderr beside results and errors.
 
 use super::print;
 use clap::Args;
@@ -9,23 +9,23 @@ const QUIET: u8 = 0;
 const NORMAL: u8 = 1;
 const VERBOSE: u8 = 2;
 
-/// What the process was asked for.
+/// Level that the user asked for.
 static LEVEL: AtomicU8 = AtomicU8::new(NORMAL);
 
 /// Options of every command.
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Program")]
 pub struct Verbosity {
-    /// Tell more on stderr: what a picture's pixels cover
+    /// Print more on stderr: the coverage of a picture's pixels
     #[arg(short, long, global = true)]
     verbose: bool,
-    /// Tell nothing on stderr but errors
+    /// Print nothing on stderr but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
 }
 
 impl Verbosity {
-    /// Makes it what the process goes by.
+    /// Sets the level of the process.
     pub fn apply(self) {
         let level = match (self.quiet, self.verbose) {
             (true, _) => QUIET,
@@ -36,19 +36,19 @@ impl Verbosity {
     }
 }
 
-/// Whether nothing but errors is wanted.
+/// Returns true if only errors are wanted.
 pub fn quiet() -> bool {
     LEVEL.load(Ordering::Relaxed) == QUIET
 }
 
-/// One line on stderr that a user should know.
+/// Prints one line that a user should know on stderr.
 pub fn say(line: &dyn Display) {
     if !quiet() {
         print(line);
     }
 }
 
-/// One line on stderr for who asks for more.
+/// Prints one line on stderr if the user asked for more.
 pub fn detail(line: &dyn Display) {
     if LEVEL.load(Ordering::Relaxed) == VERBOSE {
         print(line);

@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Frames a second to keep up while something moves, by leaving work out
     #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true, default_value = "15")]
     fps: f64,
-    /// How frames are presented; immediate and mailbox do not wait for the display
+    /// Presentation of frames; immediate and mailbox do not wait for the display
     #[arg(long, value_enum, default_value_t)]
     present: Present,
     #[command(flatten)]
@@ -54,13 +54,13 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// The scene.
+    /// Returns the scene.
     pub fn scene(&self) -> &OsStr {
         &self.scene
     }
 }
 
-/// How frames are presented.
+/// Presentation mode of the window.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 enum Present {
     /// One after another, at the display's pace
@@ -72,7 +72,7 @@ enum Present {
     Immediate,
 }
 
-/// A name that the window shows and writes into commands.
+/// Checks a name that the window shows and writes into commands.
 fn utf8(name: &OsStr) -> Result<String> {
     name.to_str().map(str::to_owned).ok_or_else(|| {
         let what = format!("the name {name:?} is not UTF-8, and the window writes it into commands");
@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     check_validation(&viewer::run(start(arguments)?)?)
 }
 
-/// What a window of `arguments` starts with.
+/// Returns the start settings of a window from `arguments`.
 ///
 /// # Errors
 /// Settings that do not fit together, and files that cannot be read.
@@ -155,7 +155,7 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
     })
 }
 
-/// The arguments of `view` without a program and a command.
+/// Arguments of `view` without a program and a command.
 #[derive(Parser)]
 #[command(no_binary_name = true)]
 struct ViewLine {
@@ -163,7 +163,7 @@ struct ViewLine {
     arguments: Arguments,
 }
 
-/// What a window starts with that goes on with the last one.
+/// Returns the start settings of a window that continues the last one.
 fn last() -> Result<Start> {
     let words = last_view::words()?;
     let understood = understood(&words)
@@ -171,13 +171,13 @@ fn last() -> Result<Start> {
     start(&understood?)
 }
 
-/// What a window of the scene called `name` starts with.
+/// Returns the start settings of a window of the scene called `name`.
 fn open(name: &str) -> Result<Start> {
     let understood = understood(&[name.into()]).map_err(|e| usage_error::in_one_line(&e, "diffract view"))?;
     start(&understood?)
 }
 
-/// The arguments that `words` without a program and a command stand for, with the options of their scene; or what is wrong with those.
+/// Parses `words` without a program and a command, with the options of their scene; the inner result has the error of those options.
 fn understood(words: &[OsString]) -> std::result::Result<Result<Arguments>, clap::Error> {
     let arguments = ViewLine::try_parse_from(words)?.arguments;
     Ok(match scene_options::of(&arguments.scene, "view") {

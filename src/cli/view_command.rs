@@ -1,9 +1,10 @@
-//! The command line that draws what the window shows.
+//! Command line that draws the picture in the window.
 
 use super::options::as_options;
 use super::scene_options;
 use crate::error::Result;
 use crate::optics::coherence::{Coherence, Windows};
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::output;
 use crate::picture_file::quoted;
@@ -14,8 +15,8 @@ use crate::viewer::{Output, ViewSettings};
 use std::io::Write;
 use std::path::Path;
 
-/// The `diffract render` that draws the picture of `settings` into `output`. What is the default, or `scene`'s own, is
-/// left out.
+/// Returns the `diffract render` that draws the picture of `settings` into `output`, without options that have their default or the value
+/// of `scene`.
 pub fn render(settings: &ViewSettings, scene: &Scene, output: &Output<'_>) -> String {
     let mut words = Words(vec![settings.scene.clone()]);
     words.settings(settings, scene);
@@ -28,17 +29,17 @@ pub fn render(settings: &ViewSettings, scene: &Scene, output: &Output<'_>) -> St
     format!("diffract render {} -o {}", words.join(" "), quoted(file))
 }
 
-/// The arguments of the `diffract view` that begins with `settings`, from whatever folder.
+/// Returns the arguments of the `diffract view` that begins with `settings`, independent of the current folder.
 pub fn view(settings: &ViewSettings, scene: &Scene) -> Vec<String> {
     let mut words = Words(vec![settings.scene.clone()]);
     words.settings(settings, scene);
     words.0.into_iter().map(absolute).collect()
 }
 
-/// Writes `settings` of `scene` as a scene file: all that determines the picture but its size.
+/// Writes `settings` of `scene` as a scene file: all settings of the picture except its size.
 ///
 /// # Errors
-/// Where the file cannot be written, and for names of files that are not UTF-8.
+/// A file that cannot be written; names of files that are not UTF-8.
 pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Result<()> {
     let mut words = Words(Vec::new());
     words.optics(settings);
@@ -48,41 +49,39 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
     }
     let pairs =
         words.0.chunks_exact(2).map(|pair| [pair[0].trim_start_matches('-').to_owned(), pair[1].clone()]);
-    // A material with a spectrum has keys of its own in the file.
+    // A material with a spectrum has separate keys in the file.
     let has_spectrum = matches!(&settings.reflectance, Reflectance::Fresnel { material, .. } if material.constant_index().is_none());
     let is_option = |[name, _]: &[String; 2]| {
         scene_options::OF_SCENES.contains(&name.as_str()) && !(has_spectrum && name == "film")
     };
-    let written = Scene {
-        surface: settings.surface.name.clone(),
-        pixel_size: settings.surface.pixel_size,
-        full_height: settings.surface.height,
-        prepare: settings.surface.prepare.clone(),
+    let mut written = Scene {
         camera: settings.shown_camera(scene),
         lights: settings.lights.clone(),
         environment: scene.environment.as_ref().map(|own| own.placed(settings.surroundings)),
-        base_color: settings.base_color,
-        reflectance: has_spectrum.then(|| settings.reflectance.clone()),
         exposure: settings.exposure,
         auto_exposure: false,
         tone: settings.tone,
         options: pairs.filter(is_option).collect(),
         ..scene.clone()
     };
+    let object = written.main_object_mut();
+    object.surface = Some(settings.surface.clone());
+    object.base_color = settings.base_color;
+    object.reflectance = has_spectrum.then(|| settings.reflectance.clone());
     let text = written.to_toml(path.parent().unwrap_or(Path::new("")))?;
     output::write_atomically(path, |file| {
         file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
     })
 }
 
-/// The name of a file from the root, and any other word as it is.
+/// Returns the absolute name of a file, and any other word unchanged.
 fn absolute(word: String) -> String {
     let path = Path::new(&word);
     let from_root = path.is_file().then(|| std::path::absolute(path).ok()).flatten();
     from_root.and_then(|path| path.to_str().map(str::to_owned)).unwrap_or(word)
 }
 
-/// A command line as it grows.
+/// Command line under construction.
 struct Words(Vec<String>);
 
 impl Words {
@@ -90,7 +89,7 @@ impl Words {
         self.0.extend([format!("--{name}"), value.into()]);
     }
 
-    /// What `settings` change in `scene` and in the defaults.
+    /// Adds the options for `settings` that differ from `scene` and from the defaults.
     fn settings(&mut self, settings: &ViewSettings, scene: &Scene) {
         let words = self;
         words.surface(&settings.surface, scene);
@@ -111,7 +110,7 @@ impl Words {
         if settings.tone != scene.tone {
             words.option("tone", settings.tone.name());
         }
-        if settings.base_color != scene.base_color {
+        if settings.base_color != scene.main_object().base_color {
             words.option("base-color", ViewSettings::triple(settings.base_color));
         }
         let camera = &settings.camera;
@@ -125,22 +124,23 @@ impl Words {
     }
 
     fn surface(&mut self, surface: &SurfaceSource, scene: &Scene) {
-        let own = surface.name == scene.surface;
+        let of_scene = scene.main_surface();
+        let own = surface.name == of_scene.name;
         if !own {
             self.option("surface", surface.name.to_string_lossy());
         }
-        if let Some([x, y]) = surface.pixel_size.filter(|p| !own || Some(*p) != scene.pixel_size) {
+        if let Some([x, y]) = surface.pixel_size.filter(|p| !own || Some(*p) != of_scene.pixel_size) {
             self.option("pixel-size", format!("{x}umx{y}um"));
         }
-        if let Some(height) = surface.height.filter(|h| !own || Some(*h) != scene.full_height) {
+        if let Some(height) = surface.height.filter(|h| !own || Some(*h) != of_scene.height) {
             self.option("height", format!("{height}um"));
         }
         if let Some(channel) = &surface.channel {
             self.option("channel", channel);
         }
-        let own_steps: &[PreparationStep] = if own { &scene.prepare } else { &[] };
+        let own_steps: &[PreparationStep] = if own { &of_scene.prepare } else { &[] };
         if surface.prepare != own_steps {
-            // Without a step the scene's own would stay.
+            // Without a step the scene's steps would stay.
             let none = [PreparationStep::Level(Levelling::None)];
             let steps = if surface.prepare.is_empty() { &none[..] } else { &surface.prepare };
             self.0.extend(as_options(steps).split(' ').map(str::to_owned));
@@ -178,13 +178,16 @@ impl Words {
                 self.option("ior", ior.to_string());
                 self.option("reflectance", DielectricLaw::Schlick.name());
             }
-            Reflectance::Fresnel { material, film } => {
+            Reflectance::Fresnel { material, film, polarisation } => {
                 match material.constant_index() {
                     Some(index) => self.option("ior", index.to_string()),
                     None => self.option("material", &material.name),
                 }
                 if let Some(film) = film {
                     self.option("film", film.to_string());
+                }
+                if *polarisation != Polarisation::None {
+                    self.option("polarisation", polarisation.name());
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Results to files and to stdout.
+//! Output of results to files and to stdout.
 
 use crate::error::{Error, Result};
 use crate::output;
@@ -16,7 +16,7 @@ pub fn without_controls(text: &str) -> String {
     text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), "\u{fffd}")
 }
 
-/// The outcome of writing to stdout. A closed pipe is not an error: the reader has what it wanted.
+/// Converts the outcome of writing to stdout. A closed pipe is not an error: the reader has read all that it wanted.
 pub fn printed(outcome: std::io::Result<()>) -> Result<()> {
     match outcome {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
@@ -36,11 +36,11 @@ pub fn text(path: Option<&Path>, text: &str) -> Result<()> {
     }
 }
 
-/// A table as CSV, row by row.
+/// Table as CSV, built row by row.
 pub struct Csv(csv::Writer<Vec<u8>>);
 
 impl Csv {
-    /// An empty table.
+    /// Returns an empty table.
     pub fn new() -> Self {
         Self(csv::Writer::from_writer(Vec::new()))
     }
@@ -53,10 +53,10 @@ impl Csv {
         self.0.write_record(cells).map_err(|e| no_csv(&e))
     }
 
-    /// The text.
+    /// Returns the text.
     ///
     /// # Errors
-    /// Never, where the cells are text.
+    /// Never, if the cells are text.
     pub fn text(self) -> Result<String> {
         let bytes = self.0.into_inner().map_err(|e| no_csv(&e))?;
         String::from_utf8(bytes).map_err(|e| no_csv(&e))

@@ -172,6 +172,44 @@ impl MaterialDescription {
         }
     }
 
+    /// Fails unless the export serves `field` under `asked`: the same surface, light and reflectance, at most the tolerance and the smallest footprint.
+    ///
+    /// # Errors
+    /// Names what differs.
+    pub fn check(&self, field: &HeightField, asked: &ExportSettings) -> Result<()> {
+        let same = |value: &Value, asked: &dyn Fn() -> serde_json::Result<Value>| {
+            asked().is_ok_and(|asked| asked == *value)
+        };
+        let length = 4.0 * asked.sigma;
+        let differs = if self.surface != SurfaceFacts::new(field) {
+            "it is of another surface, or of the same one prepared otherwise".to_owned()
+        } else if (self.coherence_length_um - length).abs() > 1e-9 * length {
+            format!(
+                "it is of a coherence length of {} µm, and {length} µm are asked for",
+                self.coherence_length_um
+            )
+        } else if self.beyond != asked.beyond.name() {
+            format!("beyond the patch it has {}, and {} is asked for", self.beyond, asked.beyond.name())
+        } else if !same(&self.illuminant, &|| serde_json::to_value(&asked.illuminant)) {
+            "it is of another illuminant".to_owned()
+        } else if !same(&self.reflectance, &|| serde_json::to_value(&asked.reflectance)) {
+            "it is of another material".to_owned()
+        } else if self.tolerance > asked.tolerance {
+            format!("it has a tolerance of {:e}, and {:e} is asked for", self.tolerance, asked.tolerance)
+        } else if self.smallest_footprint > asked.footprint {
+            format!(
+                "it serves footprints from {:.2e} on, and pixels have {:.2e}",
+                self.smallest_footprint, asked.footprint
+            )
+        } else {
+            return Ok(());
+        };
+        Err(Error::failed(
+            format!("the export does not fit: {differs}"),
+            "export the material for this picture",
+        ))
+    }
+
     /// Reads the text of `material.json`.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use super::conformance::Conformance;
 use super::description::{FileSum, MaterialDescription, is_description};
+use super::shader::{self, ShaderLanguage};
 use super::{ExportedMaterial, ktx2, openexr};
 use crate::error::{Error, Result};
 use crate::input;
@@ -17,8 +18,11 @@ const TABLE: &str = "table.json";
 const TEXELS: &str = "table.ktx2";
 const TEXELS_AS_EXR: &str = "table.exr";
 const DIRECTIONS: &str = "conformance.csv";
+const FUNCTIONS: &str = "functions.ktx2";
+const SHADER: &str = "material.glsl";
+const SHADER_ES: &str = "material.es.glsl";
 /// The files that the description has sums of.
-const DESCRIBED: [&str; 4] = [TABLE, TEXELS, TEXELS_AS_EXR, DIRECTIONS];
+const DESCRIBED: [&str; 7] = [TABLE, TEXELS, TEXELS_AS_EXR, DIRECTIONS, FUNCTIONS, SHADER, SHADER_ES];
 
 /// Fails if an export must not stand at `folder`: asked before long work whose result would be lost.
 ///
@@ -79,7 +83,7 @@ fn draft_beside(folder: &Path) -> Result<tempfile::TempDir> {
 /// Writes `material` as the folder `folder`, described by `description`, to which the files are added. A former export there is replaced.
 ///
 /// # Errors
-/// As [`check_target`], and a disk that is full.
+/// Same as [`check_target`]; fails on a full disk too.
 pub fn write(
     folder: &Path,
     material: &ExportedMaterial,
@@ -95,6 +99,10 @@ pub fn write(
     add(TEXELS, ktx2::write(&material.table))?;
     add(TEXELS_AS_EXR, openexr::write(&material.table)?)?;
     add(DIRECTIONS, material.conformance.to_csv()?.into_bytes())?;
+    let header = &material.table.header;
+    add(FUNCTIONS, ktx2::write_functions(header))?;
+    add(SHADER, shader::write(header, ShaderLanguage::Glsl).into_bytes())?;
+    add(SHADER_ES, shader::write(header, ShaderLanguage::GlslEs).into_bytes())?;
     put(&draft.path().join(MATERIAL), &json(description)?, folder)?;
     give_name(draft, folder)
 }
@@ -182,7 +190,7 @@ impl ExportReader {
     /// Returns the colour table.
     ///
     /// # Errors
-    /// As [`ExportReader::file`]; numbers that no table has.
+    /// Same as [`ExportReader::file`]; fails for numbers that no table has.
     pub fn table(&self) -> Result<ColorTable> {
         let path = self.folder.join(TABLE);
         let refused = |what: String| Error::failed(what, "export the material again").at(path.display());
@@ -197,7 +205,7 @@ impl ExportReader {
     /// Returns the directions with their colours.
     ///
     /// # Errors
-    /// As [`ExportReader::file`]; text that is no such table.
+    /// Same as [`ExportReader::file`]; fails for text that is no such table.
     pub fn conformance(&self) -> Result<Conformance> {
         let path = self.folder.join(DIRECTIONS);
         let text = String::from_utf8(self.file(DIRECTIONS)?).map_err(|e| {
@@ -209,10 +217,12 @@ impl ExportReader {
     /// Reads every file, and returns the directions with their colours.
     ///
     /// # Errors
-    /// As the other functions.
+    /// Same as the other functions.
     pub fn check(&self) -> Result<Conformance> {
         self.table()?;
-        self.file(TEXELS_AS_EXR)?;
+        for name in [TEXELS_AS_EXR, FUNCTIONS, SHADER, SHADER_ES] {
+            self.file(name)?;
+        }
         self.conformance()
     }
 }
@@ -243,7 +253,9 @@ mod tests {
         let folder = place.path().join("material");
         for _ in 0..2 {
             export(&folder).unwrap();
-            assert_eq!(names(&folder), [DIRECTIONS, MATERIAL, TEXELS_AS_EXR, TABLE, TEXELS]);
+            let mut expected = [&DESCRIBED[..], &[MATERIAL]].concat();
+            expected.sort_unstable();
+            assert_eq!(names(&folder), expected);
             assert_eq!(names(place.path()), ["material"]);
             let reader = ExportReader::open(&folder).unwrap();
             reader.check().unwrap();

@@ -4,60 +4,104 @@
 //! Specification 2.0", Khronos Group; the data format descriptor is that of "Khronos Data Format Specification 1.3", section 5.
 
 use crate::error::{Error, Result};
-use crate::table::{ColorTable, TableHeader};
+use crate::table::{ColorTable, SPECULAR_SAMPLES, TableHeader};
 use half::f16;
 use ktx2::Reader;
 
 const IDENTIFIER: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
 /// `VK_FORMAT_R16G16B16A16_SFLOAT`.
 const FORMAT: u32 = 97;
-/// Bytes of a texel, which is also the alignment of each level.
-const TEXEL: usize = 8;
+/// `VK_FORMAT_R32G32B32A32_SFLOAT`.
+const FORMAT_OF_FUNCTIONS: u32 = 109;
 /// Bytes of the header with the index, and of each entry of the level index.
 const HEADER: usize = 80;
 const LEVEL_ENTRY: usize = 24;
 
+/// A texture of four floats a texel.
+struct KtxTexture<'a> {
+    format: u32,
+    /// Bytes of a float.
+    float: usize,
+    /// Columns and rows.
+    size: [usize; 2],
+    /// Layers of an array; 0 if it is none.
+    layers: usize,
+    /// Bytes of each level, the finest first.
+    levels: Vec<Vec<u8>>,
+    /// Directions in which columns and rows grow.
+    orientation: &'a str,
+}
+
 /// Returns the container of the texels of `table`.
 pub fn write(table: &ColorTable) -> Vec<u8> {
-    let grid = &table.header.grid;
-    let (descriptor, notes) = (descriptor(), notes());
-    let descriptor_at = HEADER + LEVEL_ENTRY * grid.levels;
+    let bytes = |level: &Vec<f16>| level.iter().flat_map(|number| number.to_le_bytes()).collect();
+    container(&KtxTexture {
+        format: FORMAT,
+        float: size_of::<f16>(),
+        size: [table.header.grid.side; 2],
+        layers: table.header.basis.layers(),
+        levels: table.levels.iter().map(bytes).collect(),
+        orientation: "ru",
+    })
+}
+
+/// Returns the container of the functions of |w| and of the angle of the table of `header`: the rows of [`TableHeader::specular_rows`], then the cubics of
+/// each piece in a row, X, Y and Z of one coordinate after the other.
+pub fn write_functions(header: &TableHeader) -> Vec<u8> {
+    let mut texels = header.specular_rows();
+    for piece in 0..header.basis.pieces {
+        let end = texels.len() + SPECULAR_SAMPLES;
+        texels.extend(header.basis.of_piece(piece).iter().flatten());
+        texels.resize(end, [0.0; 4]);
+    }
+    container(&KtxTexture {
+        format: FORMAT_OF_FUNCTIONS,
+        float: size_of::<f32>(),
+        size: [SPECULAR_SAMPLES, texels.len() / SPECULAR_SAMPLES],
+        layers: 0,
+        levels: vec![texels.iter().flatten().flat_map(|number| number.to_le_bytes()).collect()],
+        orientation: "rd",
+    })
+}
+
+fn container(texture: &KtxTexture<'_>) -> Vec<u8> {
+    let levels = &texture.levels;
+    let (descriptor, notes) = (descriptor(texture.float), notes(texture.orientation));
+    let descriptor_at = HEADER + LEVEL_ENTRY * levels.len();
     let notes_at = descriptor_at + descriptor.len();
-    let begin = (notes_at + notes.len()).next_multiple_of(TEXEL);
-    let mut file = Vec::with_capacity(begin + table.bytes());
+    let begin = (notes_at + notes.len()).next_multiple_of(4 * texture.float);
+    let mut file = Vec::with_capacity(begin + levels.iter().map(Vec::len).sum::<usize>());
     file.extend(IDENTIFIER);
-    let layers = table.header.basis.layers() as u32;
-    let side = grid.side as u32;
+    let [width, height] = texture.size;
     // Format, type size, width, height, depth, layers, faces, levels, supercompression.
-    words(&mut file, &[FORMAT, 2, side, side, 0, layers, 1, grid.levels as u32, 0]);
+    let sizes = [texture.float, width, height, 0, texture.layers, 1, levels.len(), 0];
+    words(&mut file, &[texture.format]);
+    words(&mut file, &sizes.map(|x| x as u32));
     words(&mut file, &[descriptor_at, descriptor.len(), notes_at, notes.len()].map(|x| x as u32));
     // No data of a supercompression.
     file.extend([0; 16]);
-    file.extend(level_index(table, begin));
+    file.extend(level_index(levels, begin));
     file.extend(descriptor);
     file.extend(notes);
     file.resize(begin, 0);
     // The smallest level stands first, so that a stream shows something early.
-    for level in table.levels.iter().rev() {
-        file.extend(level.iter().flat_map(|number| number.to_le_bytes()));
-    }
+    file.extend(levels.iter().rev().flatten());
     file
 }
 
 /// Returns offset, length and uncompressed length of each level, where the smallest begins at `begin`.
-fn level_index(table: &ColorTable, begin: usize) -> Vec<u8> {
+fn level_index(levels: &[Vec<u8>], begin: usize) -> Vec<u8> {
     let mut offset = begin;
     let mut entries: Vec<[usize; 3]> = Vec::new();
-    for level in table.levels.iter().rev() {
-        let length = level.len() * size_of::<f16>();
-        entries.push([offset, length, length]);
-        offset += length;
+    for level in levels.iter().rev() {
+        entries.push([offset, level.len(), level.len()]);
+        offset += level.len();
     }
     entries.iter().rev().flatten().flat_map(|x| (*x as u64).to_le_bytes()).collect()
 }
 
-/// Returns the data format descriptor of four linear 16-bit floats.
-fn descriptor() -> Vec<u8> {
+/// Returns the data format descriptor of four linear floats of `float` bytes.
+fn descriptor(float: usize) -> Vec<u8> {
     /// RGBSDA model, unspecified primaries, linear transfer, straight alpha.
     const MODEL: [u8; 4] = [1, 0, 1, 0];
     /// Channel numbers of R, G, B and A.
@@ -68,20 +112,21 @@ fn descriptor() -> Vec<u8> {
     let mut bytes = Vec::new();
     words(&mut bytes, &[BLOCK + 4, 0, 2 | BLOCK << 16]);
     bytes.extend(MODEL);
-    // A block of one texel, of eight bytes in the first plane.
-    bytes.extend([0, 0, 0, 0, TEXEL as u8, 0, 0, 0, 0, 0, 0, 0]);
+    // A block of one texel, whose bytes are in the first plane.
+    bytes.extend([0, 0, 0, 0, 4 * float as u8, 0, 0, 0, 0, 0, 0, 0]);
+    let bits = 8 * float as u8;
     for (i, channel) in CHANNELS.into_iter().enumerate() {
-        bytes.extend([16 * i as u8, 0, 15, channel | KIND, 0, 0, 0, 0]);
+        bytes.extend([bits * i as u8, 0, bits - 1, channel | KIND, 0, 0, 0, 0]);
         words(&mut bytes, &[(-1.0f32).to_bits(), 1.0f32.to_bits()]);
     }
     bytes
 }
 
 /// Returns the keys and values, in the order of the keys.
-fn notes() -> Vec<u8> {
+fn notes(orientation: &str) -> Vec<u8> {
     let writer = concat!("diffract ", env!("CARGO_PKG_VERSION"));
     let mut bytes = Vec::new();
-    for (key, value) in [("KTXorientation", "ru"), ("KTXwriter", writer)] {
+    for (key, value) in [("KTXorientation", orientation), ("KTXwriter", writer)] {
         words(&mut bytes, &[(key.len() + value.len() + 2) as u32]);
         bytes.extend(key.bytes().chain([0]).chain(value.bytes()).chain([0]));
         bytes.resize(bytes.len().next_multiple_of(4), 0);
@@ -134,6 +179,24 @@ mod tests {
             reader.key_value_data().map(|(key, value)| (key.to_owned(), value.to_vec())).collect();
         assert_eq!(notes[0], ("KTXorientation".to_owned(), b"ru\0".to_vec()));
         assert_eq!(read(&bytes, &table.header).unwrap(), table.levels);
+    }
+
+    #[test]
+    fn functions_are_rows_of_the_specular_order_and_then_of_cubics() {
+        let (_, table) = small_table();
+        let header = &table.header;
+        let bytes = write_functions(header);
+        let reader = Reader::new(&bytes[..]).unwrap();
+        let rows = header.specular_rows().len() / SPECULAR_SAMPLES;
+        assert_eq!(reader.header().pixel_height as usize, rows + header.basis.pieces);
+        let level = reader.levels().next().unwrap().data;
+        let at = |row: usize, column: usize| -> Vec<f32> {
+            let from = 16 * (row * SPECULAR_SAMPLES + column);
+            level[from..from + 16].as_chunks().0.iter().map(|four| f32::from_le_bytes(*four)).collect()
+        };
+        assert_eq!(at(3, 7)[..3], header.specular.weights[3][7]);
+        let last = header.basis.pieces - 1;
+        assert_eq!(at(rows + last, 4), header.basis.of_piece(last)[1][1]);
     }
 
     #[test]

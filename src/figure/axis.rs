@@ -1,6 +1,6 @@
-//! An axis: its range, its scale, its ticks.
+//! Axis: its range, its scale, its ticks.
 
-/// How values are laid out along an axis or a colour bar.
+/// Scale of an axis or a colour bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisScale {
     /// Equal differences take equal lengths.
@@ -9,7 +9,7 @@ pub enum AxisScale {
     Log,
 }
 
-/// An axis from `low` to `high`.
+/// Axis from `low` to `high`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// Name and unit.
@@ -18,16 +18,16 @@ pub struct Axis {
     pub low: f64,
     /// Value at the right or upper end.
     pub high: f64,
-    /// What lies between.
+    /// Scale between the ends.
     pub scale: AxisScale,
 }
 
-/// A mark on an axis.
+/// Tick of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where it stands.
+    /// Value of the tick.
     pub value: f64,
-    /// What it says; empty for a minor one.
+    /// Label; empty for a minor tick.
     pub label: String,
 }
 
@@ -35,7 +35,7 @@ pub struct Tick {
 const MARGIN: f64 = 0.05;
 
 impl Axis {
-    /// A linear axis. A range that is empty or not finite becomes one around its lower end.
+    /// Returns a linear axis. A range that is empty or not finite becomes one around its lower end.
     pub fn linear(label: impl Into<String>, low: f64, high: f64) -> Self {
         let low = if low.is_finite() { low } else { 0.0 };
         let sound = high.is_finite() && high != low;
@@ -43,7 +43,7 @@ impl Axis {
         Self { label: label.into(), low, high, scale: AxisScale::Linear }
     }
 
-    /// A logarithmic axis. A range that is empty, not finite or not positive becomes one that can be drawn.
+    /// Returns a logarithmic axis. A range that is empty, not finite or not positive becomes one that can be drawn.
     pub fn log(label: impl Into<String>, low: f64, high: f64) -> Self {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         let (low, high) = match (positive(low), positive(high)) {
@@ -55,7 +55,7 @@ impl Axis {
         Self { label: label.into(), low, high, scale: AxisScale::Log }
     }
 
-    /// The axis that holds all `values` that it can, with a margin.
+    /// Returns the axis that holds all `values` that it can, with a margin.
     pub fn fit(label: impl Into<String>, scale: AxisScale, values: impl IntoIterator<Item = f64>) -> Self {
         let can = |x: &f64| x.is_finite() && (scale == AxisScale::Linear || *x > 0.0);
         let (low, high) = values
@@ -74,7 +74,8 @@ impl Axis {
         }
     }
 
-    /// Where `value` stands, 0 at the low end and 1 at the high one; not finite where the scale has no place for it.
+    /// Returns the position of `value` on the axis, 0 at the low end and 1 at the high one; not finite for a value that the scale cannot
+    /// show.
     pub fn share(&self, value: f64) -> f64 {
         match self.scale {
             AxisScale::Linear => (value - self.low) / (self.high - self.low),
@@ -82,7 +83,7 @@ impl Axis {
         }
     }
 
-    /// Ticks from the low end to the high one, about `wanted` of them with a label.
+    /// Returns the ticks from the low end to the high one, about `wanted` of them with a label.
     pub fn ticks(&self, wanted: usize) -> Vec<Tick> {
         let decades = (self.high / self.low).log10().abs();
         let ticks = match self.scale {
@@ -93,7 +94,7 @@ impl Axis {
     }
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten.
+/// Returns multiples of 1, 2 or 5 times a power of ten.
 fn linear_ticks(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
     let (low, high) = (low.min(high), low.max(high));
     let rough = (high - low) / wanted.max(1) as f64;
@@ -112,7 +113,7 @@ fn linear_ticks(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Decades, or every few of them, with unlabelled ticks between; 1, 2, 5 where there are few decades.
+/// Returns decades, or every few of them, with unlabelled ticks between; 1, 2, 5 for few decades.
 fn log_ticks(low: f64, high: f64, decades: f64, wanted: usize) -> Vec<Tick> {
     let (low, high) = (low.min(high), low.max(high));
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
@@ -131,9 +132,9 @@ fn log_ticks(low: f64, high: f64, decades: f64, wanted: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// `value` to the precision of `step`: plain where that is short, else as 2·10⁻⁷.
+/// Writes `value` to the precision of `step`: plain if that is short, otherwise as 2·10⁻⁷.
 pub fn number(value: f64, step: f64) -> String {
-    /// Powers of ten between which a plain number is short.
+    /// Range in which a plain number is short.
     const PLAIN: (f64, f64) = (9e-4, 1e6);
     let minus = |text: String| text.replace('-', "−");
     let size = value.abs();

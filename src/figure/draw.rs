@@ -83,7 +83,7 @@ fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
     y + if any { TICK + 1.5 * GAP } else { 0.0 }
 }
 
-/// The part of `room` that ticks, labels and colour bar leave for the plot.
+/// Returns the part of `room` that ticks, labels and colour bar leave for the plot.
 fn inside_of_labels(panel: &Panel, room: Area) -> Area {
     let widest = widest_tick(&panel.y, room.size[1]);
     let left = widest + LONG + 0.5 * GAP + if panel.y.label.is_empty() { 0.0 } else { LABEL + GAP };
@@ -102,7 +102,7 @@ fn wanted(length: f64, axis: usize) -> usize {
     (length / PER_TICK[axis]).max(2.0) as usize
 }
 
-/// The width that a colour bar takes beside the plot.
+/// Returns the width of a colour bar beside the plot.
 fn bar_room(panel: &Panel) -> f64 {
     panel
         .raster
@@ -118,7 +118,7 @@ fn picture(svg: &mut Svg, raster: &Raster, plot: Area) -> Result<()> {
     Ok(())
 }
 
-/// Grid, frame, ticks and labels of a box.
+/// Draws grid, frame, ticks and labels of a box.
 fn axes(svg: &mut Svg, panel: &Panel, plot: Area) {
     let [left, top] = plot.at;
     let (right, bottom) = (plot.right(), plot.bottom());
@@ -151,7 +151,7 @@ fn axes(svg: &mut Svg, panel: &Panel, plot: Area) {
     svg.text([beside, top + plot.size[1] / 2.0], &panel.y.label, upward, None);
 }
 
-/// Rings of polar angle and spokes of azimuth over the disc that fills `plot`.
+/// Draws rings of polar angle and spokes of azimuth over the disc that fills `plot`.
 fn hemisphere(svg: &mut Svg, panel: &Panel, plot: Area) {
     let radius = plot.size[0] / 2.0;
     let centre = [plot.at[0] + radius, plot.at[1] + radius];
@@ -175,7 +175,7 @@ fn hemisphere(svg: &mut Svg, panel: &Panel, plot: Area) {
         svg.text(at, &format!("{}°", spoke * 30), letters(TICK, QUIET, anchor), None);
     }
     svg.circle(centre, radius, None, Stroke::new(INK, 1.2));
-    // Along a spoke's gap, where no label of an axis stands.
+    // At an angle without labels of the axes.
     let (sin, cos) = (75f64).to_radians().sin_cos();
     let light =
         panel.raster.as_ref().and_then(|r| r.scale.as_ref()).is_some_and(|s| s.map == ColorMap::Difference);

@@ -13,12 +13,12 @@ pub(super) const GAP: f64 = 8.0;
 /// Half the width of a legend's sample \[px\].
 pub(super) const SAMPLE: f64 = 11.0;
 
-/// Upright letters of regular weight.
+/// Returns upright letters of regular weight.
 pub(super) fn letters(size: f64, color: Color, anchor: Anchor) -> Letters {
     Letters { size, weight: Weight::Regular, color, anchor, upward: false }
 }
 
-/// A rectangle of the page.
+/// Rectangle of the page.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Area {
     /// Upper left corner \[px\].
@@ -36,7 +36,7 @@ impl Area {
         self.at[1] + self.size[1]
     }
 
-    /// The largest area of this aspect ratio within it, centred along x.
+    /// Returns the largest area of this aspect ratio within the area, centred along x.
     pub(super) fn shaped(&self, height_per_width: f64) -> Self {
         let width = self.size[0].min(self.size[1] / height_per_width);
         let size = [width, width * height_per_width];

@@ -38,17 +38,17 @@ use std::path::Path;
 use svg::{Letters, Svg};
 use text::Weight;
 
-/// Pixels of a PNG for one of the SVG: sharp on today's screens and in print at a column's width.
+/// Pixels of a PNG for one of the SVG: sharp on today's screens and in print at the width of a column.
 const PNG_SCALE: f64 = 2.0;
-/// Around everything and between panels \[px\].
+/// Margin around everything and between panels \[px\].
 const MARGIN: f64 = 24.0;
-/// Letters of the figure's title and of captions \[px\].
+/// Size of the letters of the figure's title and of captions \[px\].
 const HEADLINE: f64 = 18.0;
 const CAPTION: f64 = 12.5;
-/// Height of a caption's line over its letters.
+/// Height of a caption's line relative to its letters.
 const LEADING: f64 = 1.45;
 
-/// Panels in rows, with a title and a caption.
+/// Figure: panels in rows, with a title and a caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     title: String,
@@ -58,36 +58,36 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A figure called `title`; an empty title takes no room.
+    /// Returns an empty figure called `title`; an empty title takes no room.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), caption: String::new(), rows: Vec::new(), panel: [640.0, 440.0] }
     }
 
-    /// With a row of panels below those that are there.
+    /// Adds a row of panels below the others.
     #[must_use]
     pub fn row(mut self, panels: Vec<Panel>) -> Self {
         self.rows.push(panels);
         self
     }
 
-    /// With `text` below the panels, in as many lines as it takes; a line break begins a new one.
+    /// Adds `text` below the panels, wrapped; a line break begins a new line.
     #[must_use]
     pub fn caption(mut self, text: impl Into<String>) -> Self {
         self.caption = text.into();
         self
     }
 
-    /// With panels of `width` × `height` \[px\], labels included.
+    /// Sets the size of the panels to `width` × `height` \[px\], labels included.
     #[must_use]
     pub fn panel_size(mut self, width: f64, height: f64) -> Self {
         self.panel = [width, height];
         self
     }
 
-    /// The figure as SVG.
+    /// Returns the figure as SVG.
     ///
     /// # Errors
-    /// Where a raster is empty or too large.
+    /// A raster that is empty or too large.
     pub fn svg(&self) -> Result<String> {
         self.drawn().map(|(svg, _)| svg)
     }
@@ -120,10 +120,10 @@ impl Figure {
         Ok((svg.finish(size, PAPER), size))
     }
 
-    /// The figure as PNG.
+    /// Returns the figure as PNG.
     ///
     /// # Errors
-    /// As [`Self::svg`], and where the picture is too large.
+    /// Those of [`Self::svg`]; a picture that is too large.
     pub fn png(&self) -> Result<Vec<u8>> {
         let bug = |what: String| Error::failed(what, "report this as a bug of diffract");
         let (svg, size) = self.drawn()?;
@@ -138,10 +138,10 @@ impl Figure {
         pixels.encode_png().map_err(|e| bug(format!("the figure is no PNG ({e})")))
     }
 
-    /// Writes the figure to `path`, whole or not at all, in the format that its name asks for: .svg or .png.
+    /// Writes the figure to `path`, whole or not at all, in the format of its extension: .svg or .png.
     ///
     /// # Errors
-    /// For another name, and where the file cannot be written.
+    /// Another extension; a file that cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
         let bytes = match FigureFormat::of(path)? {
             FigureFormat::Svg => self.svg()?.into_bytes(),
@@ -153,20 +153,20 @@ impl Figure {
     }
 }
 
-/// A figure's file format.
+/// File format of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FigureFormat {
-    /// Lines and letters.
+    /// Vector graphics.
     Svg,
     /// Pixels.
     Png,
 }
 
 impl FigureFormat {
-    /// The format that a file name asks for.
+    /// Returns the format of a file name's extension.
     ///
     /// # Errors
-    /// Where it ends neither in .svg nor in .png.
+    /// Neither .svg nor .png.
     pub fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Self::Svg),

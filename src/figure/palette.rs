@@ -1,43 +1,43 @@
 //! Colours that are distinguishable with any colour vision.
 
-/// An opaque sRGB colour.
+/// Opaque sRGB colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Color(pub [u8; 3]);
 
 impl Color {
-    /// As SVG has it: `#rrggbb`.
+    /// Returns the colour in the form of SVG: `#rrggbb`.
     pub fn hex(self) -> String {
         let [r, g, b] = self.0;
         format!("#{r:02x}{g:02x}{b:02x}")
     }
 }
 
-/// Text and frames.
+/// Colour of text and frames.
 pub const INK: Color = Color([0x22, 0x26, 0x2b]);
-/// Captions and ticks.
+/// Colour of captions and ticks.
 pub const QUIET: Color = Color([0x5a, 0x62, 0x6b]);
-/// Grid lines.
+/// Colour of grid lines.
 pub const FAINT: Color = Color([0xe3, 0xe6, 0xea]);
-/// Pages.
+/// Colour of pages.
 pub const PAPER: Color = Color([0xff, 0xff, 0xff]);
 
-/// Series, in the order to take them: the colours of Okabe and Ito (*Color Universal Design*, 2008), yellow left out
-/// because it is lost on white.
+/// Colours of series, in their order of use: those of Okabe and Ito (*Color Universal Design*, 2008), without yellow, which is too faint on
+/// white.
 pub const SERIES: [Color; 6] = [BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY];
-/// Of [`SERIES`].
+/// Blue of [`SERIES`].
 pub const BLUE: Color = Color([0x00, 0x72, 0xb2]);
-/// Of [`SERIES`].
+/// Vermilion of [`SERIES`].
 pub const VERMILION: Color = Color([0xd5, 0x5e, 0x00]);
-/// Of [`SERIES`].
+/// Green of [`SERIES`].
 pub const GREEN: Color = Color([0x00, 0x9e, 0x73]);
-/// Of [`SERIES`].
+/// Purple of [`SERIES`].
 pub const PURPLE: Color = Color([0xcc, 0x79, 0xa7]);
-/// Of [`SERIES`].
+/// Orange of [`SERIES`].
 pub const ORANGE: Color = Color([0xe6, 0x9f, 0x00]);
-/// Of [`SERIES`].
+/// Sky blue of [`SERIES`].
 pub const SKY: Color = Color([0x56, 0xb4, 0xe9]);
 
-/// A map from values to colours.
+/// Map from values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColorMap {
     /// Perceptually even from dark violet to yellow (van der Walt and Smith, matplotlib, CC0).
@@ -49,7 +49,7 @@ pub enum ColorMap {
 }
 
 impl ColorMap {
-    /// Colours at equal distances from the lowest value to the highest.
+    /// Returns colours at equal distances from the lowest value to the highest.
     fn anchors(self) -> [u32; 11] {
         match self {
             Self::Viridis => [
@@ -67,7 +67,7 @@ impl ColorMap {
         }
     }
 
-    /// The colour at `share` of the way, 0 … 1; what is beyond an end has the end's colour.
+    /// Returns the colour at `share` of the way, 0 … 1, clamped to the ends.
     pub fn at(self, share: f64) -> Color {
         let anchors = self.anchors();
         let place = share.clamp(0.0, 1.0) * (anchors.len() - 1) as f64;

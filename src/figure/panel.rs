@@ -1,11 +1,11 @@
-//! One coordinate system and what stands in it.
+//! Panel: one coordinate system and its marks.
 
 use super::axis::Axis;
 use super::palette::{Color, INK};
 use super::raster::Raster;
 use super::svg::Anchor;
 
-/// What a point looks like.
+/// Shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkShape {
     /// A disc.
@@ -22,84 +22,84 @@ pub enum MarkShape {
     Cross,
 }
 
-/// Something drawn in a panel's coordinates.
+/// Mark in a panel's coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
-    /// Straight from point to point; a point that is not finite breaks it.
+    /// Straight lines from point to point; a point that is not finite breaks the line.
     Line {
         /// x, y.
         points: Vec<[f64; 2]>,
-        /// Its colour.
+        /// Colour.
         color: Color,
-        /// Its width \[px\].
+        /// Width \[px\].
         width: f64,
-        /// Dashed.
+        /// True for a dashed line.
         dashed: bool,
     },
     /// Single points.
     Points {
         /// x, y.
         points: Vec<[f64; 2]>,
-        /// Their colour.
+        /// Colour.
         color: Color,
-        /// What they look like.
+        /// Shape of the points.
         shape: MarkShape,
-        /// Half their width \[px\].
+        /// Half the width of a point \[px\].
         radius: f64,
     },
-    /// An area between two values of y.
+    /// Area between two values of y.
     Band {
         /// x, lower y, upper y.
         points: Vec<[f64; 3]>,
-        /// Its colour.
+        /// Colour.
         color: Color,
     },
-    /// Words beside a point.
+    /// Text beside a point.
     Note {
         /// x, y.
         at: [f64; 2],
-        /// Words of one line.
+        /// Text of one line.
         text: String,
-        /// Their colour.
+        /// Colour.
         color: Color,
-        /// Which side of the point they are on: a start is to its right.
+        /// Part of the text at the point: the start for a text to the right of the point.
         anchor: Anchor,
     },
 }
 
-/// What is around the coordinates.
+/// Frame around the coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PlotFrame {
-    /// A box with ticks on its left and lower sides.
+    /// Box with ticks on its left and lower sides.
     Box {
-        /// Whether a length of x is as long as one of y.
+        /// True if a length of x is as long as one of y.
         equal: bool,
     },
-    /// The hemisphere from above: x and y are direction cosines (sin θ cos φ, sin θ sin φ), the rim is the horizon. Rings
-    /// of polar angle and spokes of azimuth.
+    /// Hemisphere from above: x and y are direction cosines (sin θ cos φ, sin θ sin φ), the rim is the horizon. Rings of polar angle and
+    /// spokes of azimuth.
     Hemisphere,
 }
 
-/// A coordinate system and what stands in it, in the order that it is drawn in.
+/// Coordinate system and its marks, in drawing order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// What stands above; empty for nothing.
+    /// Title above the panel; empty for none.
     pub title: String,
-    /// To the right.
+    /// Axis to the right.
     pub x: Axis,
-    /// Upward.
+    /// Axis upward.
     pub y: Axis,
-    /// What is around.
+    /// Frame around the plot.
     pub frame: PlotFrame,
-    /// The picture under all marks.
+    /// Picture under all marks.
     pub raster: Option<Raster>,
-    /// A length in units of x, and what is written beside it.
+    /// Length of the scale bar in units of x, and its label.
     pub scale_bar: Option<(f64, String)>,
     pub(super) marks: Vec<(Mark, Option<String>)>,
 }
 
 impl Panel {
-    /// An empty panel with a box around.
+    /// Returns an empty panel with a box around.
     pub fn new(x: Axis, y: Axis) -> Self {
         Self {
             title: String::new(),
@@ -112,48 +112,48 @@ impl Panel {
         }
     }
 
-    /// The hemisphere of directions from above, filled by `raster`.
+    /// Returns the hemisphere of directions from above, filled by `raster`.
     pub fn hemisphere(raster: Raster) -> Self {
         let axis = |label: &str| Axis::linear(label, -1.0, 1.0);
         Self { frame: PlotFrame::Hemisphere, raster: Some(raster), ..Self::new(axis("x"), axis("y")) }
     }
 
-    /// With a length of x as long as one of y.
+    /// Makes a length of x as long as one of y.
     #[must_use]
     pub fn to_scale(mut self) -> Self {
         self.frame = PlotFrame::Box { equal: true };
         self
     }
 
-    /// With words above.
+    /// Adds a title.
     #[must_use]
     pub fn titled(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
     }
 
-    /// With a picture under all marks.
+    /// Adds a picture under all marks.
     #[must_use]
     pub fn over(mut self, raster: Raster) -> Self {
         self.raster = Some(raster);
         self
     }
 
-    /// With `mark`, which the legend does not name.
+    /// Adds `mark` without an entry in the legend.
     #[must_use]
     pub fn mark(mut self, mark: Mark) -> Self {
         self.marks.push((mark, None));
         self
     }
 
-    /// With `mark`, which the legend calls `name`.
+    /// Adds `mark`, called `name` in the legend.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>, mark: Mark) -> Self {
         self.marks.push((mark, Some(name.into())));
         self
     }
 
-    /// With a length of x drawn in a corner.
+    /// Adds a scale bar, a length of x, in a corner.
     #[must_use]
     pub fn with_scale_bar(mut self, length: f64, label: impl Into<String>) -> Self {
         self.scale_bar = Some((length, label.into()));
@@ -162,22 +162,22 @@ impl Panel {
 }
 
 impl Mark {
-    /// A full line.
+    /// Returns a full line.
     pub fn line(points: Vec<[f64; 2]>, color: Color) -> Self {
         Self::Line { points, color, width: 1.8, dashed: false }
     }
 
-    /// A dashed line.
+    /// Returns a dashed line.
     pub fn dashed(points: Vec<[f64; 2]>, color: Color) -> Self {
         Self::Line { points, color, width: 1.6, dashed: true }
     }
 
-    /// Points of ordinary size.
+    /// Returns points of ordinary size.
     pub fn points(points: Vec<[f64; 2]>, color: Color, shape: MarkShape) -> Self {
         Self::Points { points, color, shape, radius: 4.0 }
     }
 
-    /// Words to the right of a point.
+    /// Returns a text to the right of a point.
     pub fn note(at: [f64; 2], text: impl Into<String>) -> Self {
         Self::Note { at, text: text.into(), color: INK, anchor: Anchor::Start }
     }

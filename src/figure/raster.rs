@@ -3,9 +3,11 @@
 use super::axis::{Axis, AxisScale};
 use super::palette::{Color, ColorMap};
 use crate::error::{Error, Result};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use image::{ExtendedColorType, ImageEncoder};
 
-/// A map from values to colours, with the axis of its colour bar.
+/// Map from values to colours, with the axis of its colour bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorScale {
     /// Name, unit, range and scale of the values.
@@ -15,45 +17,45 @@ pub struct ColorScale {
 }
 
 impl ColorScale {
-    /// The colour of `value`; what the scale has no place for (0 on a logarithmic one) has that of the low end.
+    /// Returns the colour of `value`. A value that the scale cannot show (0 on a logarithmic one) has the colour of the low end.
     pub fn color(&self, value: f64) -> Color {
         let share = self.axis.share(value);
         self.map.at(if share.is_nan() { 0.0 } else { share })
     }
 
-    /// A scale of differences: as far below 0 as above.
+    /// Returns a scale of differences, symmetric about 0.
     pub fn differences(label: impl Into<String>, largest: f64) -> Self {
         let largest = if largest > 0.0 { largest } else { 1.0 };
         Self { axis: Axis::linear(label, -largest, largest), map: ColorMap::Difference }
     }
 
-    /// A logarithmic scale of `decades` decades below the largest of `values`.
+    /// Returns a logarithmic scale of `decades` decades below the largest of `values`.
     pub fn decades(label: impl Into<String>, decades: f64, values: &[f64]) -> Self {
         let largest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
         Self { axis: Axis::log(label, largest * 10f64.powf(-decades), largest), map: ColorMap::Magma }
     }
 
-    /// A linear scale from 0 to the largest of `values`.
+    /// Returns a linear scale from 0 to the largest of `values`.
     pub fn from_zero(label: impl Into<String>, values: &[f64]) -> Self {
         let largest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
         Self { axis: Axis::linear(label, 0.0, largest), map: ColorMap::Magma }
     }
 }
 
-/// A picture that fills a panel: row 0 at the top, columns from the low end of the panel's x axis to its high end, in
-/// equal steps of the axis' length.
+/// Picture that fills a panel: row 0 at the top, columns from the low end of the panel's x axis to its high end, in equal steps of the
+/// axis' length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
     /// Columns and rows.
     pub size: [usize; 2],
     /// sRGB and opacity, row by row.
     pub pixels: Vec<[u8; 4]>,
-    /// What the colours stand for, where they stand for values.
+    /// Colour scale of the values; `None` for a picture of colours.
     pub scale: Option<ColorScale>,
 }
 
 impl Raster {
-    /// `values`, row by row from the top, in false colour; a NaN is not drawn.
+    /// Returns `values`, row by row from the top, in false colour; a NaN is not drawn.
     pub fn values(columns: usize, values: &[f64], scale: ColorScale) -> Self {
         let pixel = |value: &f64| {
             let [r, g, b] = scale.color(*value).0;
@@ -63,12 +65,12 @@ impl Raster {
         Self { size: [columns, pixels.len() / columns.max(1)], pixels, scale: Some(scale) }
     }
 
-    /// Colours as they are.
+    /// Returns a raster of the given colours.
     pub fn colors(columns: usize, pixels: Vec<[u8; 4]>) -> Self {
         Self { size: [columns, pixels.len() / columns.max(1)], pixels, scale: None }
     }
 
-    /// As PNG in base64.
+    /// Encodes the raster as PNG in base64.
     pub(super) fn png(&self) -> Result<String> {
         let [columns, rows] = self.size;
         let bytes = &bytemuck::cast_slice::<[u8; 4], u8>(&self.pixels)[..columns * rows * 4];
@@ -78,13 +80,13 @@ impl Raster {
             .map_err(|e| {
                 Error::failed(format!("the raster of the figure is no PNG ({e})"), "ask for a smaller one")
             })?;
-        Ok(base64(&png))
+        Ok(BASE64_STANDARD.encode(&png))
     }
 }
 
-/// The colours of a bar from its low end to its high one, bottom up.
+/// Returns the colours of a bar from its low end to its high one, bottom up.
 pub(super) fn bar(scale: &ColorScale) -> Raster {
-    /// More steps than are distinguishable.
+    /// Number of steps, above the number of distinguishable colours.
     const STEPS: usize = 256;
     let at = |i: usize| {
         let [r, g, b] = scale.map.at(1.0 - (i as f64 + 0.5) / STEPS as f64).0;
@@ -93,36 +95,14 @@ pub(super) fn bar(scale: &ColorScale) -> Raster {
     Raster::colors(1, (0..STEPS).map(at).collect())
 }
 
-/// Whether the values of a bar go by decades, so that ticks between them need no label.
+/// Returns true if the values of a bar go by decades, so that ticks between them need no label.
 pub(super) fn is_log(scale: &ColorScale) -> bool {
     scale.axis.scale == AxisScale::Log
-}
-
-/// RFC 4648.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for group in bytes.chunks(3) {
-        let bits = group.iter().enumerate().fold(0u32, |bits, (i, b)| bits | u32::from(*b) << (16 - 8 * i));
-        for i in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * i)) as usize & 63];
-            text.push(if i <= group.len() { char::from(digit) } else { '=' });
-        }
-    }
-    text
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn base64_is_that_of_the_rfc() {
-        let known = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
-        for (plain, coded) in known {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-    }
 
     #[test]
     fn values_have_the_colours_of_their_scale_and_holes_none() {

@@ -4,53 +4,53 @@ use super::palette::Color;
 use super::text::{Weight, escape};
 use std::fmt::Write;
 
-/// Where a text begins, has its middle, or ends.
+/// Horizontal anchor of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
-    /// At its left.
+    /// Left end.
     Start,
-    /// In its middle.
+    /// Middle.
     Middle,
-    /// At its right.
+    /// Right end.
     End,
 }
 
-/// How a text looks.
+/// Style of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Letters {
     /// Height of a line's letters \[px\].
     pub size: f64,
-    /// How strong.
+    /// Weight of the letters.
     pub weight: Weight,
-    /// Its colour.
+    /// Colour.
     pub color: Color,
-    /// What of it stands at its place.
+    /// Part of the text at its position.
     pub anchor: Anchor,
-    /// Turned counter-clockwise by a right angle.
+    /// True for a text that is turned counter-clockwise by a right angle.
     pub upward: bool,
 }
 
-/// How a line looks.
+/// Style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// Its colour.
+    /// Colour.
     pub color: Color,
-    /// Its width \[px\].
+    /// Width \[px\].
     pub width: f64,
     /// Lengths of dashes and gaps \[px\]; `None` for a full line.
     pub dash: Option<[f64; 2]>,
-    /// From 0, not seen, to 1.
+    /// Opacity, from 0 (invisible) to 1.
     pub opacity: f64,
 }
 
 impl Stroke {
-    /// A full line.
+    /// Returns a full line.
     pub fn new(color: Color, width: f64) -> Self {
         Self { color, width, dash: None, opacity: 1.0 }
     }
 }
 
-/// An SVG in progress.
+/// SVG under construction.
 #[derive(Clone, Debug, Default)]
 pub struct Svg {
     body: String,
@@ -58,9 +58,9 @@ pub struct Svg {
 }
 
 impl Svg {
-    // Writing to a string cannot fail, so its results are let go below.
+    // Writing to a string cannot fail, so its results are ignored below.
 
-    /// The whole file, for a page of `size` \[px\].
+    /// Returns the whole file, for a page of `size` \[px\].
     pub fn finish(self, size: [f64; 2], background: Color) -> String {
         let [width, height] = size;
         format!(
@@ -73,12 +73,12 @@ impl Svg {
         )
     }
 
-    /// A straight line.
+    /// Draws a straight line.
     pub fn line(&mut self, from: [f64; 2], to: [f64; 2], stroke: Stroke) {
         self.path(&format!("M{:.2} {:.2}L{:.2} {:.2}", from[0], from[1], to[0], to[1]), stroke);
     }
 
-    /// A line through `points`, broken where one is not finite.
+    /// Draws a line through `points`, broken at points that are not finite.
     pub fn polyline(&mut self, points: &[[f64; 2]], stroke: Stroke) {
         let mut path = String::new();
         let mut pen_down = false;
@@ -94,7 +94,7 @@ impl Svg {
         }
     }
 
-    /// The outline of a path in SVG's own words.
+    /// Draws the outline of a path in SVG's syntax.
     pub fn path(&mut self, path: &str, stroke: Stroke) {
         let dash =
             stroke.dash.map_or_else(String::new, |[on, off]| format!(" stroke-dasharray=\"{on} {off}\""));
@@ -108,7 +108,7 @@ impl Svg {
         );
     }
 
-    /// A filled polygon; none where a corner is not finite.
+    /// Draws a filled polygon; nothing if a corner is not finite.
     pub fn polygon(&mut self, corners: &[[f64; 2]], fill: Color, opacity: f64) {
         if corners.is_empty() || corners.iter().flatten().any(|x| !x.is_finite()) {
             return;
@@ -122,7 +122,7 @@ impl Svg {
         );
     }
 
-    /// The outline of a rectangle of `size` at its upper left corner `at`.
+    /// Draws the outline of a rectangle of `size` at its upper left corner `at`.
     pub fn frame(&mut self, at: [f64; 2], size: [f64; 2], stroke: Stroke) {
         let _ = writeln!(
             self.body,
@@ -137,7 +137,7 @@ impl Svg {
         );
     }
 
-    /// A circle, filled or not.
+    /// Draws a circle, filled or not.
     pub fn circle(&mut self, centre: [f64; 2], radius: f64, fill: Option<Color>, stroke: Stroke) {
         let _ = writeln!(
             self.body,
@@ -152,7 +152,7 @@ impl Svg {
         );
     }
 
-    /// A line of text whose baseline is at `at`. With `halo`, on whatever ground.
+    /// Draws a line of text whose baseline is at `at`. A `halo` makes the text legible on any ground.
     pub fn text(&mut self, at: [f64; 2], text: &str, letters: Letters, halo: Option<Color>) {
         let anchor = match letters.anchor {
             Anchor::Start => "start",
@@ -180,7 +180,7 @@ impl Svg {
         put(&format!("fill=\"{}\"", letters.color.hex()));
     }
 
-    /// A PNG (as base64) stretched over a rectangle; `smooth` or with each pixel a square.
+    /// Draws a PNG (as base64) stretched over a rectangle; `smooth` or with each pixel a square.
     pub fn image(&mut self, at: [f64; 2], size: [f64; 2], png_base64: &str, smooth: bool) {
         let rendering = if smooth { "optimizeQuality" } else { "optimizeSpeed" };
         let _ = writeln!(
@@ -191,7 +191,7 @@ impl Svg {
         );
     }
 
-    /// Clips what `draw` draws to a rectangle.
+    /// Clips everything that `draw` draws to a rectangle.
     pub fn clipped(&mut self, at: [f64; 2], size: [f64; 2], draw: impl FnOnce(&mut Self)) {
         let id = self.clips;
         self.clips += 1;

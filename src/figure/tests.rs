@@ -56,7 +56,7 @@ fn marks_stand_where_their_axes_say() {
     };
     let (blue, green) = (centre(palette::BLUE), centre(palette::GREEN));
     assert!(blue.0 > 100 && green.0 > 100);
-    // The frame's own pixels tell where the box is.
+    // The pixels of the frame mark the box.
     let ink: Vec<_> = picture.enumerate_pixels().filter(|(.., p)| p.0 == INK.0).collect();
     let (left, right) = (ink.iter().map(|p| p.0).min().unwrap(), ink.iter().map(|p| p.0).max().unwrap());
     let width = f64::from(right - left);

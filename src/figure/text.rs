@@ -1,12 +1,12 @@
-//! Text in the figure's own font: how wide it is, where its lines break, how SVG writes it.
+//! Text in the figure's embedded font: its width, its line breaks and its SVG.
 
 use resvg::usvg::{self, fontdb};
 use std::sync::{Arc, OnceLock};
 
-/// What figures are set in, and what stands in for it where an SVG is opened without the font.
+/// Font of figures, and substitutes for programs that open an SVG without the font.
 pub const FAMILY: &str = "Inter, Helvetica, Arial, sans-serif";
 
-/// How strong letters are.
+/// Weight of letters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// Running text.
@@ -16,7 +16,7 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// SVG's `font-weight`.
+    /// Returns SVG's `font-weight`.
     pub fn number(self) -> u16 {
         match self {
             Self::Regular => 400,
@@ -25,7 +25,7 @@ impl Weight {
     }
 }
 
-/// How an SVG is read: with the embedded fonts alone, so that every machine draws the same.
+/// Returns the options for reading an SVG: with the embedded fonts alone, so that every machine draws the same.
 pub fn options() -> usvg::Options<'static> {
     static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
     let fonts = FONTS.get_or_init(|| {
@@ -37,7 +37,7 @@ pub fn options() -> usvg::Options<'static> {
     usvg::Options { fontdb: Arc::clone(fonts), font_family: "Inter".to_owned(), ..usvg::Options::default() }
 }
 
-/// Width of `text` in a line of `size` \[px\].
+/// Returns the width of `text` in a line of `size` \[px\].
 pub fn width(text: &str, size: f64, weight: Weight) -> f64 {
     if text.trim().is_empty() {
         return 0.0;
@@ -51,7 +51,7 @@ pub fn width(text: &str, size: f64, weight: Weight) -> f64 {
     usvg::Tree::from_str(&svg, &options()).map_or(0.0, |tree| f64::from(tree.root().bounding_box().width()))
 }
 
-/// `text` in lines of at most `most` \[px\], broken at blanks; a longer word has a line of its own. A line break stays.
+/// Breaks `text` at blanks into lines of at most `most` \[px\]; a longer word has a separate line. A line break stays.
 pub fn wrap(text: &str, size: f64, most: f64) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {
@@ -69,7 +69,7 @@ pub fn wrap(text: &str, size: f64, most: f64) -> Vec<String> {
     lines
 }
 
-/// `text` as XML has it, without the characters that XML does not know.
+/// Escapes `text` for XML, without the characters that XML does not allow.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

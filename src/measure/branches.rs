@@ -1,4 +1,4 @@
-//! Branches of maxima over wavelengths, where the largest response changes from one period to another.
+//! Branches of maxima over wavelengths, for responses whose largest maximum switches between periods.
 
 use super::peaks::{Peak, PeriodStatistics, Sought};
 
@@ -7,31 +7,31 @@ use super::peaks::{Peak, PeriodStatistics, Sought};
 pub struct ResponseMap<'a> {
     /// Wavelengths \[µm\].
     pub wavelengths: &'a [f64],
-    /// View angles \[degrees\], growing.
+    /// View angles \[degrees\], ascending.
     pub angles: &'a [f64],
-    /// The BRDF \[sr⁻¹\], wavelength by wavelength.
+    /// BRDF \[sr⁻¹\], wavelength by wavelength.
     pub responses: &'a [f64],
     /// Light, order and expected period of the maxima.
     pub sought: Sought,
 }
 
-/// A maximum that is followed over wavelengths.
+/// Maximum that is followed over wavelengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Branch {
-    /// The maximum at each wavelength; `None` where there is none nearby.
+    /// Maximum at each wavelength; `None` if there is none nearby.
     pub peaks: Vec<Option<Peak>>,
-    /// Wavelengths at which it is the largest response.
+    /// Number of wavelengths at which it is the largest response.
     pub largest: usize,
-    /// Period over all wavelengths with this maximum.
+    /// Statistics of its period over all wavelengths with this maximum.
     pub statistics: PeriodStatistics,
 }
 
-/// Relative difference of periods beyond which two maxima are of two branches. Speckle moves a maximum by less from one wavelength to the
-/// next; branches of a measured skin are 10 % apart.
+/// Relative difference of periods beyond which two maxima belong to different branches. Speckle moves a maximum by less
+/// from one wavelength to the next; branches of a measured skin are 10 % apart.
 const APART: f64 = 0.03;
 /// Fewest wavelengths at which a branch is the largest response; fewer are outliers.
 const FEWEST: usize = 3;
-/// Smallest share of wavelengths likewise.
+/// Smallest fraction of wavelengths at which a branch is the largest response.
 const LEAST_SHARE: f64 = 0.05;
 
 impl Branch {
@@ -47,13 +47,14 @@ impl ResponseMap<'_> {
         &self.responses[place * count..(place + 1) * count]
     }
 
-    /// The largest response at each wavelength.
+    /// Returns the largest response at each wavelength.
     pub fn largest(&self) -> Vec<Peak> {
         let peak = |(place, &wavelength)| self.sought.largest(wavelength, self.angles, self.row(place));
         self.wavelengths.iter().enumerate().map(peak).collect()
     }
 
-    /// Branches on which the largest response lies, that of the most wavelengths first; none where one branch, or none, has it everywhere.
+    /// Returns the branches that contain the largest response, the one with the most wavelengths first; empty unless
+    /// there are at least two.
     pub fn branches(&self) -> Vec<Branch> {
         let clear: Vec<(usize, Peak)> =
             self.largest().into_iter().enumerate().filter(|(_, p)| p.clear && p.period.is_some()).collect();
@@ -67,7 +68,7 @@ impl ResponseMap<'_> {
         groups.iter().map(|group| Branch::new(self.followed(group), group.len())).collect()
     }
 
-    /// Peaks whose periods have no gap between them, each group in the order of wavelengths.
+    /// Groups peaks whose periods have no gap between them; each group is in the order of wavelengths.
     fn groups(&self, mut peaks: Vec<(usize, Peak)>) -> Vec<Vec<(usize, Peak)>> {
         let period = |peak: &Peak| peak.period.unwrap_or(f64::NAN);
         peaks.sort_by(|(_, a), (_, b)| period(a).total_cmp(&period(b)));
@@ -87,7 +88,8 @@ impl ResponseMap<'_> {
         groups
     }
 
-    /// Difference of periods \[µm\] from `peak` beyond which another is of another branch: two steps of the angles at least.
+    /// Returns the difference of periods \[µm\] from `peak` beyond which another peak belongs to another branch: at
+    /// least two steps of the angles.
     fn apart(&self, peak: &Peak) -> f64 {
         let Some((angle, period)) = peak.angle.zip(peak.period) else { return 0.0 };
         let place = self.angles.partition_point(|&a| a < angle);
@@ -97,7 +99,7 @@ impl ResponseMap<'_> {
         steps.max(APART * period)
     }
 
-    /// The maximum that `known` peaks (places and peaks, in order) have at some wavelengths, at all of them.
+    /// Returns at every wavelength the maximum that the `known` peaks (indices and peaks, in order) have at some.
     fn followed(&self, known: &[(usize, Peak)]) -> Vec<Option<Peak>> {
         let mut peaks = vec![None; self.wavelengths.len()];
         known.iter().for_each(|(place, peak)| peaks[*place] = Some(*peak));
@@ -114,7 +116,8 @@ impl ResponseMap<'_> {
         peaks
     }
 
-    /// The maximum at wavelength number `place` whose period is nearest to that of `peak`, unless that is of another branch.
+    /// Returns the maximum at wavelength number `place` whose period is nearest to that of `peak`; `None` if it belongs
+    /// to another branch.
     fn nearest(&self, place: usize, peak: &Peak) -> Option<Peak> {
         let period = peak.period?;
         let away = |p: &Peak| (p.period.unwrap_or(f64::INFINITY) - period).abs();
@@ -123,7 +126,8 @@ impl ResponseMap<'_> {
         (away(&nearest) <= self.apart(peak).max(self.apart(&nearest))).then_some(nearest)
     }
 
-    /// The maxima of this map that lie next to those of a `branch` of another map of the same wavelengths.
+    /// Returns statistics of the maxima of this map next to those of a `branch` of another map with the same
+    /// wavelengths.
     pub fn along(&self, branch: &Branch) -> PeriodStatistics {
         let there = branch.peaks.iter().enumerate();
         let peaks: Vec<Peak> =
@@ -139,7 +143,8 @@ mod tests {
 
     const THETA_I: f64 = -75.0;
 
-    /// Responses of gratings: each a period \[µm\] and its strength over wavelengths, a Gaussian of 1 % in the period.
+    /// Returns responses of gratings, each given by a period \[µm\] and its strength over wavelengths: Gaussians of 1 %
+    /// in the period.
     fn responses(wavelengths: &[f64], angles: &[f64], gratings: &[(f64, &dyn Fn(f64) -> f64)]) -> Vec<f64> {
         let u = |angle: f64| (angle.to_radians().sin() + THETA_I.to_radians().sin()).abs();
         let one = |wavelength: f64, angle: f64, &(period, strength): &(f64, &dyn Fn(f64) -> f64)| {
@@ -166,7 +171,7 @@ mod tests {
     #[test]
     fn two_gratings_that_take_turns_in_being_the_brightest_have_a_branch_each() {
         let (wavelengths, angles) = axes();
-        // The second is the brighter one above 690 nm.
+        // The second grating is the brighter one above 690 nm.
         let strength = |w: f64| if w < 0.689 { 0.5 } else { 2.0 };
         let responses = responses(&wavelengths, &angles, &[(1.128, &|_| 1.0), (1.016, &strength)]);
         let map = ResponseMap {
@@ -175,7 +180,7 @@ mod tests {
             responses: &responses,
             sought: sought(),
         };
-        // The mean over the largest responses is where no maximum is.
+        // There is no maximum at the mean over the largest responses.
         let overall = PeriodStatistics::of(&map.largest());
         assert!(
             (1.05..1.12).contains(&overall.mean.unwrap()) && overall.deviation.unwrap() > 0.03,
@@ -211,7 +216,7 @@ mod tests {
         let outlier = |w: f64| if (w - 0.5).abs() < 1e-3 { 2.0 } else { 0.5 };
         assert_eq!(of(&[(1.128, &|_| 1.0), (1.016, &outlier)]), []);
         assert_eq!(of(&[]), [], "no maximum at all");
-        // Two maxima that no longer are apart.
+        // Two maxima that are too close to be separate branches.
         let late = |w: f64| if w < 0.6 { 0.5 } else { 2.0 };
         assert_eq!(of(&[(1.128, &|_| 1.0), (1.112, &late)]), []);
     }

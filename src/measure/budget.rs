@@ -1,4 +1,4 @@
-//! The error budget of a setting with the errors that were measured on the surface.
+//! Error budget of a setting, with the errors measured on the surface.
 
 use crate::budget::{ErrorBudget, Share};
 use crate::render::shading::Shading;
@@ -7,30 +7,30 @@ use crate::spectra::amplitude::Layers;
 use crate::table::TableHeader;
 use serde::Serialize;
 
-/// One contribution to the error.
+/// Contribution to the error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BudgetPart {
-    /// Part that errs.
+    /// Name of the contribution.
     pub what: &'static str,
     /// Share of the tolerance.
     pub allowed: f64,
-    /// Error of the data that were made for the share, relative to the answer that the tolerance is defined for. NaN if unknown.
+    /// Error of the data made for this share, relative to the quantity of the tolerance. NaN if unknown.
     pub error: f64,
-    /// Source of the error's size.
+    /// Origin of the error's value.
     pub known: String,
 }
 
 /// All contributions; their squares add up.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct MeasuredBudget {
-    /// The contributions.
+    /// Contributions.
     pub parts: Vec<BudgetPart>,
-    /// The tolerance for their sum.
+    /// Tolerance of the total.
     pub tolerance: f64,
 }
 
 impl MeasuredBudget {
-    /// Returns the budget of what is shaded from `source` with `shading`; an empty one for a baseline.
+    /// Returns the budget of shading from `source` with `shading`; empty for a baseline.
     pub fn of(source: &Source, shading: &Shading) -> Self {
         let parts = match source {
             Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
@@ -54,7 +54,7 @@ impl MeasuredBudget {
         }
     }
 
-    /// The root of the sum of squares of all known contributions.
+    /// Returns the root of the sum of squares of all known contributions.
     pub fn total(&self) -> f64 {
         self.known().map(|part| part.error * part.error).sum::<f64>().sqrt()
     }
@@ -63,7 +63,7 @@ impl MeasuredBudget {
         self.parts.iter().filter(|part| part.error.is_finite())
     }
 
-    /// One line per contribution, with its share of the sum of squares.
+    /// Formats one line per contribution, with its share of the sum of squares.
     pub fn to_text(&self) -> String {
         let squares = self.total().powi(2).max(f64::MIN_POSITIVE);
         let mut text = String::new();
@@ -111,7 +111,7 @@ fn of_table(header: &TableHeader) -> Vec<BudgetPart> {
     ]
 }
 
-/// Returns a part that errs by `error`, with `more` about that beside the reason for its share.
+/// Returns a contribution with this `error`; `more` is appended to the reason for its share.
 fn part(share: Share, error: f64, more: &str) -> BudgetPart {
     let Share { part, allowed, reason } = share;
     let known = if more.is_empty() { reason.to_owned() } else { format!("{reason}; {more}") };

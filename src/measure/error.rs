@@ -1,34 +1,35 @@
-//! How far a picture is from the reference picture of the same directions. Each measure has a test that shows that it
-//! sees a difference.
+//! Errors of a picture relative to the reference picture of the same directions. A test of each measure shows that it
+//! detects a difference.
 
 use crate::optics::color::DISPLAY_BLACK;
 use crate::random::Random;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Errors of a picture, over the pixels that were compared.
+/// Errors of a picture over the compared pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PixelErrors {
-    /// Pixels that were compared.
+    /// Number of compared pixels.
     pub pixels: usize,
     /// ‖a − b‖/‖b‖ of linear RGB.
     pub relative_l2: f64,
-    /// Half of the 95 % interval of `relative_l2` for the whole picture, where the pixels are a random part of it.
+    /// Half of the 95 % confidence interval of `relative_l2` for the whole picture, if the pixels are a random sample
+    /// of it.
     pub relative_l2_interval: f64,
-    /// RMS over pixels of each one's own relative error |a − b|/max(|b|, floor).
+    /// RMS over pixels of the relative error |a − b|/max(|b|, floor) of each.
     pub relative_rms: f64,
-    /// 99th percentile over pixels of the same.
+    /// 99th percentile over pixels of this relative error.
     pub p99: f64,
 }
 
 impl PixelErrors {
-    /// True if the error is larger than `promised` beyond what the choice of pixels may do.
+    /// Returns true if the error is larger than `promised` by more than the sampling error.
     pub fn exceeds(&self, promised: f64) -> bool {
         self.relative_l2 - self.relative_l2_interval > promised
     }
 
-    /// Of `picture` against `exact`, linear sRGB pixel by pixel, shown at `exposure` stops: the floor is what a display
-    /// shows as black there.
+    /// Returns the errors of `picture` relative to `exact`, linear sRGB pixel by pixel, displayed at `exposure` stops.
+    /// The floor is the largest radiance displayed as black.
     pub fn of(picture: &[DVec3], exact: &[DVec3], exposure: f64) -> Self {
         let floor = DISPLAY_BLACK / exposure.exp2();
         let pairs = || picture.iter().zip(exact);
@@ -36,7 +37,7 @@ impl PixelErrors {
             pairs().map(|(a, b)| ((*a - *b).length_squared(), b.length_squared())).collect();
         let (difference, size) = squares.iter().fold((0.0, 0.0), |(d, s), (x, y)| (d + x, s + y));
         let ratio = if size > 0.0 { difference / size } else { 0.0 };
-        // The variance of a ratio of sums, from the residuals of its parts (Cochran, Sampling Techniques, 6.4).
+        // Variance of a ratio of sums, from the residuals of its parts (Cochran, Sampling Techniques, 6.4).
         let residuals: f64 = squares.iter().map(|(d, s)| (d - ratio * s).powi(2)).sum();
         let deviation = if size > 0.0 { residuals.sqrt() / size } else { 0.0 };
         let mut own: Vec<f64> = pairs().map(|(a, b)| (*a - *b).length() / b.length().max(floor)).collect();
@@ -53,14 +54,14 @@ impl PixelErrors {
     }
 }
 
-/// The mean ꟻLIP error of two displayed pictures (Andersson et al. 2020): what an observer sees who flips between them, from
-/// 0 (nothing) to 1, at a distance of 67 pixels a degree.
+/// Returns the mean ꟻLIP error of two displayed pictures (Andersson et al. 2020): the difference seen by an observer
+/// who flips between them, from 0 (none) to 1, at 67 pixels per degree.
 pub fn flip(picture: &[[u8; 4]], exact: &[[u8; 4]], size: [u32; 2]) -> f64 {
     let errors = flip_map(picture, exact, size);
     errors.iter().map(|error| f64::from(*error)).sum::<f64>() / errors.len().max(1) as f64
 }
 
-/// The same of each pixel.
+/// Returns the ꟻLIP error of each pixel.
 pub fn flip_map(picture: &[[u8; 4]], exact: &[[u8; 4]], [width, height]: [u32; 2]) -> Vec<f32> {
     let image = |pixels: &[[u8; 4]]| {
         let rgb: Vec<u8> = pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
@@ -69,14 +70,14 @@ pub fn flip_map(picture: &[[u8; 4]], exact: &[[u8; 4]], [width, height]: [u32; 2
     nv_flip::flip(image(exact), image(picture), nv_flip::DEFAULT_PIXELS_PER_DEGREE).to_vec()
 }
 
-/// `count` of `pixels`, or all of them, in their order: a random choice that is the same every time.
+/// Returns `count` of `pixels`, or all if there are fewer, in their order: a random choice that is the same every time.
 pub fn sample(pixels: &[usize], count: usize) -> Vec<usize> {
-    /// Any will do, so long as it stays.
+    /// Arbitrary, but fixed.
     const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut pixels = pixels.to_vec();
     let count = count.min(pixels.len());
     let mut random = Random::new(SEED);
-    // The first steps of a Fisher–Yates shuffle.
+    // First steps of a Fisher–Yates shuffle.
     for i in 0..count {
         let rest = (pixels.len() - i) as u64;
         pixels.swap(i, i + (random.bits() % rest) as usize);
@@ -90,7 +91,7 @@ pub fn sample(pixels: &[usize], count: usize) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    /// Pixels as speckle makes them, of many sizes.
+    /// Returns pixels with the statistics of speckle, over a wide range of brightness.
     fn picture() -> Vec<DVec3> {
         (0..5000)
             .map(|i| {
@@ -109,7 +110,7 @@ mod tests {
         let brighter: Vec<DVec3> = exact.iter().map(|p| *p * 1.01).collect();
         let e = PixelErrors::of(&brighter, &exact, 0.0);
         assert!((e.relative_l2 - 0.01).abs() < 1e-9 && e.relative_l2_interval < 1e-9, "{e:?}");
-        // A hue shift keeps the luminance's order of size and is seen; one pixel in fifty moves p99 and no more.
+        // A hue shift leaves the luminance about the same and is detected; one pixel in fifty moves p99 and no more.
         let swapped: Vec<DVec3> = exact.iter().map(|p| DVec3::new(p.z, p.y, p.x)).collect();
         assert!(PixelErrors::of(&swapped, &exact, 0.0).relative_l2 > 0.1);
         let mut spots = exact.clone();

@@ -1,4 +1,4 @@
-//! What a setting costs: frame times, samples, the device's own limit.
+//! Measurements of a setting: frame times, samples, device limits, errors.
 
 pub mod branches;
 pub mod budget;

@@ -1,38 +1,39 @@
-//! Where a surface sends each wavelength, and the period that the grating equation makes of it.
+//! Maxima of the response over view angles at each wavelength, and their periods by the grating equation.
 
 use crate::optics::geometry::sin_cos_degrees;
 use crate::optics::grating;
 
-/// The largest response of one wavelength over a sweep of view angles.
+/// Largest response of one wavelength over a sweep of view angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
     /// Wavelength \[µm\].
     pub wavelength: f64,
-    /// The angle of the sweep with the largest response \[degrees\]; `None` if nothing is reflected.
+    /// Angle with the largest response \[degrees\]; `None` if nothing is reflected.
     pub angle: Option<f64>,
-    /// m λ/|sin α + sin θ_i| \[µm\] there; `None` also in the specular direction, where every period fits.
+    /// Period m λ/|sin α + sin θ_i| \[µm\] at this angle; `None` also in the specular direction, which fits every
+    /// period.
     pub period: Option<f64>,
-    /// The largest response \[sr⁻¹\].
+    /// Largest response \[sr⁻¹\].
     pub response: f64,
-    /// Whether the maximum lies inside the sweep. At an end, the true maximum may lie beyond.
+    /// True if the maximum lies inside the sweep. At an end, the true maximum may lie beyond.
     pub clear: bool,
 }
 
-/// Maxima that are looked for.
+/// Light, order and expected period of the maxima to find.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sought {
     /// Angle of the light \[degrees\].
     pub theta_i: f64,
-    /// Order of diffraction that they are taken for.
+    /// Order of diffraction assigned to the maxima.
     pub order: u32,
-    /// Period \[µm\] of about which the grating is. Only angles that can belong to the order are looked at then: at most half an order away, so that sin α +
-    /// sin θ_i lies between (m − ½) λ/d and (m + ½) λ/d on either side.
+    /// Approximate period of the grating \[µm\]. If given, only angles within half an order are considered: sin α + sin
+    /// θ_i lies between (m − ½) λ/d and (m + ½) λ/d on either side.
     pub period: Option<f64>,
 }
 
 impl Sought {
-    /// The peak among `responses` \[sr⁻¹\] at `angles` \[degrees\], for light of `wavelength` \[µm\]. Of equal responses the first counts. Angles are the
-    /// sweep's own, not interpolated.
+    /// Returns the peak among `responses` \[sr⁻¹\] at `angles` \[degrees\], for light of `wavelength` \[µm\]. The first
+    /// of equal responses is taken. The angle is one of the sweep's, not interpolated.
     pub fn largest(&self, wavelength: f64, angles: &[f64], responses: &[f64]) -> Peak {
         let kept = (0..responses.len()).filter(|&i| self.keeps(wavelength, angles[i]));
         let best = kept.fold(None, |best: Option<usize>, i| match best {
@@ -44,7 +45,7 @@ impl Sought {
         })
     }
 
-    /// All maxima inside the sweep, in the order of angles.
+    /// Returns all maxima inside the sweep, in the order of angles.
     pub fn maxima(&self, wavelength: f64, angles: &[f64], responses: &[f64]) -> Vec<Peak> {
         let places = 1..responses.len().saturating_sub(1);
         let is_maximum = |&i: &usize| responses[i - 1] < responses[i] && responses[i] >= responses[i + 1];
@@ -52,7 +53,7 @@ impl Sought {
         kept.map(|i| self.peak(wavelength, angles, responses, i)).filter(|peak| peak.clear).collect()
     }
 
-    /// The period \[µm\] of which `angle` \[degrees\] is the order's direction; `None` in the specular direction.
+    /// Returns the period \[µm\] whose order lies at `angle` \[degrees\]; `None` in the specular direction.
     pub fn period(&self, wavelength: f64, angle: f64) -> Option<f64> {
         grating::period(wavelength, sine(self.theta_i), sine(angle), self.order)
     }
@@ -68,7 +69,7 @@ impl Sought {
         }
     }
 
-    /// True if `angle` \[degrees\] can belong to the order.
+    /// Returns true if `angle` \[degrees\] can belong to the order.
     fn keeps(&self, wavelength: f64, angle: f64) -> bool {
         self.period.is_none_or(|period| {
             let u = (sine(angle) + sine(self.theta_i)).abs();
@@ -77,26 +78,26 @@ impl Sought {
     }
 }
 
-/// Odd to the last bit, so that the specular direction has a sum of exactly 0.
+/// Returns the sine, exactly odd, so that the sum in the specular direction is exactly 0.
 fn sine(angle: f64) -> f64 {
     sin_cos_degrees(angle.abs()).0 * angle.signum()
 }
 
-/// What the periods of many wavelengths say together.
+/// Statistics of the periods of many wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PeriodStatistics {
-    /// Wavelengths with a period.
+    /// Number of wavelengths with a period.
     pub count: usize,
-    /// Wavelengths whose maximum lies inside the sweep.
+    /// Number of wavelengths whose maximum lies inside the sweep.
     pub clear: usize,
-    /// Mean period \[µm\]; `None` where no wavelength has one.
+    /// Mean period \[µm\]; `None` if no wavelength has one.
     pub mean: Option<f64>,
     /// Standard deviation of the sample, with n − 1 \[µm\]; `None` below two wavelengths.
     pub deviation: Option<f64>,
 }
 
 impl PeriodStatistics {
-    /// Over every peak that has a period, clear or not.
+    /// Returns the statistics of all peaks that have a period, clear or not.
     pub fn of(peaks: &[Peak]) -> Self {
         let periods: Vec<f64> = peaks.iter().filter_map(|p| p.period).collect();
         let count = periods.len();
@@ -111,27 +112,30 @@ impl PeriodStatistics {
     }
 }
 
-/// How far a mean over windows is from that over an endless surface of the same kind.
+/// Uncertainty of a mean over windows as an estimate for an infinite surface of the same kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowSpread {
-    /// Windows that are averaged.
+    /// Number of averaged windows.
     pub windows: usize,
-    /// So many of them are independent of each other.
+    /// Effective number of independent windows.
     pub independent: f64,
     /// Standard error of the mean period \[µm\].
     pub error: f64,
-    /// Half the width of its 95 % interval \[µm\]; `None` where fewer than [`WindowSpread::FEWEST`] windows are independent.
+    /// Half the width of its 95 % confidence interval \[µm\]; `None` if fewer than [`WindowSpread::FEWEST`] windows are
+    /// independent.
     pub half_interval: Option<f64>,
 }
 
 impl WindowSpread {
-    /// Fewest independent windows with an interval.
+    /// Fewest independent windows for a confidence interval.
     pub const FEWEST: f64 = 4.0;
 
-    /// By the jackknife: `without` has the mean period \[µm\] from all windows but one, for each of them. Of windows that overlap only so many
-    /// are `independent`, and the error is larger by the root of their ratio. `None` for fewer than two windows, or two independent ones.
+    /// Estimates the uncertainty by the jackknife. `without` holds the mean period \[µm\] of all windows but one, for
+    /// each of them. If windows overlap, only `independent` of them are independent, and the error is larger by the
+    /// root of the ratio. `None` for fewer than two windows, or two independent ones.
     ///
-    /// Efron and Stein 1981, "The jackknife estimate of variance": the variance is (n − 1)/n times the sum of squared deviations.
+    /// Efron and Stein 1981, "The jackknife estimate of variance": the variance is (n − 1)/n times the sum of squared
+    /// deviations.
     pub fn jackknife(without: &[f64], independent: f64) -> Option<Self> {
         let count = without.len() as f64;
         let independent = independent.min(count);
@@ -146,8 +150,8 @@ impl WindowSpread {
     }
 }
 
-/// The 97.5 % quantile of Student's t with `freedom` ≥ 3 degrees of freedom, within 1 %: the expansion of Cornish and Fisher (Abramowitz and
-/// Stegun 26.7.5).
+/// Returns the 97.5 % quantile of Student's t with `freedom` ≥ 3 degrees of freedom, within 1 %: the Cornish–Fisher
+/// expansion (Abramowitz and Stegun 26.7.5).
 fn student_95(freedom: f64) -> f64 {
     const NORMAL: f64 = 1.959_963_984_540_054;
     let power = |n| NORMAL.powi(n);
@@ -163,7 +167,7 @@ mod tests {
 
     #[test]
     fn the_jackknife_of_a_mean_is_its_standard_error() {
-        // Leaving one of n numbers out of their mean: the jackknife gives s/√n exactly.
+        // For means of all but one of n numbers the jackknife gives s/√n exactly.
         let numbers = [1.0, 2.0, 4.0, 7.0, 11.0];
         let sum: f64 = numbers.iter().sum();
         let without: Vec<f64> = numbers.iter().map(|x| (sum - x) / 4.0).collect();

@@ -1,26 +1,27 @@
-//! Frame times: on the device and in total, with their spread, which tells whether they are reliable.
+//! Frame times on the device and in total, with their spread as a measure of reliability.
 
 use crate::error::Result;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
-use crate::render::picture::timing::PassTimes;
+use crate::render::renderer::Renderer;
+use crate::render::renderer::timing::PassTimes;
 use glam::DVec3;
 use serde::Serialize;
 use std::time::Instant;
 
-/// Frames drawn before the first one is counted, at least. They compile shaders and touch memory for the first time.
+/// Minimum number of frames drawn before the first one is counted. They compile shaders and touch memory for the first
+/// time.
 const WARM_UP: usize = 3;
-/// For so long frames of a GPU are drawn before the first one is counted \[s\]. One that was idle has a low clock at first: an NVIDIA H100 draws five times
-/// as slowly for about half a second.
+/// Time for which frames of a GPU are drawn before the first one is counted \[s\]. An idle GPU has a low clock at
+/// first: an NVIDIA H100 draws at a fifth of its speed for about half a second.
 const RAISING_THE_CLOCK: f64 = 1.0;
 /// Samples per pixel of the probe, enough to make its start-up time negligible.
 const PROBE_SAMPLES: u32 = 64;
-/// Smallest number of frames, however long they take.
+/// Minimum number of frames, whatever their duration.
 const FEWEST: usize = 3;
-/// A [`Times::spread`] beyond this means that the machine was busy with something else.
+/// Largest [`Times::spread`] of a quiet machine; a larger one means that other programs disturbed the measurement.
 pub const NOISY: f64 = 1.15;
 
-/// Order statistics of a series of milliseconds.
+/// Order statistics of a series of times \[ms\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TimeSummary {
     /// Smallest.
@@ -34,7 +35,7 @@ pub struct TimeSummary {
 }
 
 impl TimeSummary {
-    /// Of a series; all zero for an empty one.
+    /// Summarises a series; all zero for an empty one.
     pub fn of(series: &[f64]) -> Self {
         let mut sorted = series.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -64,39 +65,40 @@ pub struct Times {
     pub spread: f64,
 }
 
-/// Bilinear texture samples a second that the device reaches with nothing else to do.
+/// Bilinear texture samples per second of a device that does nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
-    /// If neighbouring pixels read neighbouring texels.
+    /// Rate if neighbouring pixels read neighbouring texels.
     pub coherent: f64,
-    /// If every pixel reads elsewhere.
+    /// Rate if every pixel reads at a random place.
     pub scattered: f64,
 }
 
-/// Draws `view` `frames` times with `painter`, after some to warm up, and measures the times. Stops after `seconds` if there are at least three frames.
-/// `progress(done, of)` is called before each frame; an error from it ends the work.
+/// Draws `view` `frames` times with `renderer`, after some warm-up frames, and measures the times. Stops after `seconds`
+/// if there are at least three frames. Calls `progress(done, of)` before each frame; an error it returns ends the
+/// measurement.
 ///
 /// # Errors
-/// When the device is lost, and what `progress` returns.
+/// Fails if the device is lost, or with the error of `progress`.
 pub fn measure(
-    painter: &mut Painter,
+    renderer: &mut Renderer,
     view: &View,
     frames: usize,
     seconds: f64,
     progress: &dyn Fn(usize, usize) -> Result<()>,
 ) -> Result<Times> {
-    let watch = painter.stopwatch()?;
+    let watch = renderer.stopwatch()?;
     let mut series: Vec<PassTimes> = Vec::new();
-    let warm_up = if painter.device().candidate().is_software() { 0.0 } else { RAISING_THE_CLOCK };
+    let warm_up = if renderer.device().candidate().is_software() { 0.0 } else { RAISING_THE_CLOCK };
     let begin = Instant::now();
     let elapsed = || begin.elapsed().as_secs_f64();
     let mut drawn = 0;
     while series.len() < frames && !(series.len() >= FEWEST && elapsed() > warm_up + seconds) {
         progress(series.len(), frames)?;
         let is_warm = drawn >= WARM_UP && elapsed() >= warm_up;
-        let times = painter.time(&watch, view, 0.0, DVec3::ZERO)?;
+        let times = renderer.time(&watch, view, 0.0, DVec3::ZERO)?;
         drawn += 1;
-        // A frame that takes a large part of the time is counted even as the first one.
+        // A frame that takes a large part of the time is counted even if it is the first.
         if is_warm || times.wall * 1e-3 > seconds / 3.0 {
             series.push(times);
         }
@@ -118,19 +120,19 @@ pub fn measure(
     })
 }
 
-/// Measures the rates at which the device samples `painter`'s texture, for pictures of `pixels` pixels.
+/// Measures the rates at which the device samples `renderer`'s texture, for pictures of `pixels` pixels.
 ///
 /// # Errors
-/// Where the device is lost.
-pub fn rates(painter: &mut Painter, pixels: usize) -> Result<Rates> {
+/// Fails if the device is lost.
+pub fn rates(renderer: &mut Renderer, pixels: usize) -> Result<Rates> {
     let mut rate = |scattered| {
-        let milliseconds = painter.probe(PROBE_SAMPLES, scattered)?;
+        let milliseconds = renderer.probe(PROBE_SAMPLES, scattered)?;
         Ok(pixels as f64 * f64::from(PROBE_SAMPLES) / (milliseconds * 1e-3))
     };
     Ok(Rates { coherent: rate(false)?, scattered: rate(true)? })
 }
 
-/// What limits the frame rate.
+/// Limiting factor of the frame rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Bound {
@@ -145,7 +147,7 @@ pub enum Bound {
 }
 
 impl Bound {
-    /// What limits the frame rate, in words.
+    /// Returns the description for reports.
     pub fn description(self) -> &'static str {
         match self {
             Self::Samples => "reading the layers",
@@ -155,10 +157,10 @@ impl Bound {
         }
     }
 
-    /// What limits frames that take `times` for `samples` reads, on a device that reads at `rates`.
+    /// Returns the limiting factor of frames that take `times` for `samples` reads, on a device that reads at `rates`.
     pub fn of(times: &Times, samples: usize, rates: &Rates) -> Self {
-        /// Smallest fraction of the shading time that the reads alone must take for the frame to be bound by them. The rate
-        /// is the geometric mean of the probes, because the reads are neither as coherent nor as scattered.
+        /// Smallest fraction of the shading time that the reads alone must take for the frame to be bound by them. The
+        /// rate is the geometric mean of the probes, because the reads are neither as coherent nor as scattered.
         const READING: f64 = 0.5;
         let host = times.frame.p50 - times.gpu.p50;
         if host > times.gpu.p50 {

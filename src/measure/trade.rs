@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Measurement {
     /// Key of frame and device. Measurements with other keys are not comparable.
     pub frame: String,
-    /// The setting as command line options.
+    /// Command line options of the setting.
     pub flags: String,
     /// Method, and basis if it has one.
     pub series: String,
@@ -32,27 +32,28 @@ pub struct Measurement {
     pub spread: f64,
     /// Relative L2 error of linear RGB over the covered pixels: ‖a − b‖/‖b‖.
     pub relative_l2: f64,
-    /// 99th percentile of the pixels' own relative errors.
+    /// 99th percentile of the relative errors of single pixels.
     pub p99: f64,
     /// Mean FLIP of the displayed picture.
     pub flip: f64,
-    /// Largest `relative_l2` that the setting promises; 0 where it promises none: baselines, and numbers of terms or wavelengths set by hand.
+    /// Largest `relative_l2` that the setting promises; 0 if it promises none: baselines, and settings with a fixed
+    /// number of terms or wavelengths.
     #[serde(default)]
     pub promised: f64,
 }
 
 impl Measurement {
-    /// Frames a second.
+    /// Returns the frames per second.
     pub fn fps(&self) -> f64 {
         1e3 / self.frame_ms
     }
 
-    /// True if the measured error exceeds the promised one.
+    /// Returns true if the measured error exceeds the promised one.
     pub fn breaks_promise(&self) -> bool {
         self.promised > 0.0 && self.relative_l2 > self.promised
     }
 
-    /// Whether its numbers are plausible; figures show them on logarithmic axes.
+    /// Returns true if its numbers are plausible; figures show them on logarithmic axes.
     fn is_sound(&self) -> bool {
         /// From a femtosecond to a century \[ms\].
         const TIMES: std::ops::RangeInclusive<f64> = 1e-12..=3e12;
@@ -73,24 +74,25 @@ impl Measurement {
     }
 }
 
-/// Series of baselines. They are compared with but never advised, because no option selects them.
+/// Series of baselines. They are shown for comparison but never recommended, because no option selects them.
 pub const GRATING: &str = "baseline: grating equation";
 /// See [`GRATING`].
 pub const THESIS: &str = "baseline: the thesis";
 
 impl Measurement {
-    /// True for a setting of this program, false for a baseline.
+    /// Returns true for a setting of this program, false for a baseline.
     fn is_own(&self) -> bool {
         self.series != GRATING && self.series != THESIS
     }
 
-    /// True for a setting that can be recommended.
+    /// Returns true for a setting that can be recommended.
     fn is_advisable(&self) -> bool {
         self.is_own() && !self.breaks_promise()
     }
 }
 
-/// Whether each measurement is on the Pareto front: no other is at least as fast and as accurate, and better in one of both.
+/// Returns for each measurement if it is on the Pareto front: no other is at least as fast and as accurate, and better
+/// in one of the two.
 pub fn pareto(rows: &[Measurement]) -> Vec<bool> {
     let better = |a: &Measurement, b: &Measurement| {
         a.frame_ms <= b.frame_ms
@@ -102,7 +104,7 @@ pub fn pareto(rows: &[Measurement]) -> Vec<bool> {
         .collect()
 }
 
-/// Advice: the fastest setting within each error, the most accurate one at each frame rate.
+/// Returns recommendations: the fastest setting within each error, the most accurate one at each frame rate.
 pub fn advice(rows: &[Measurement]) -> String {
     let rows: Vec<&Measurement> = rows.iter().filter(|row| row.is_advisable()).collect();
     let mut lines = Vec::new();
@@ -137,8 +139,8 @@ pub fn advice(rows: &[Measurement]) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The best setting within `error`, at `fps`, or both: the fastest that keeps the error, or the most accurate that keeps the
-/// frame rate. If none keeps both, names the nearest on either side.
+/// Returns the best setting within `error`, at `fps`, or both: the fastest within the error, or the most accurate at
+/// the frame rate. If none satisfies both, names the nearest on either side.
 pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> String {
     let own = || rows.iter().filter(|row| row.is_advisable());
     let (error_kept, rate_kept) = (
@@ -148,7 +150,7 @@ pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> Str
     let fastest = own().filter(error_kept).min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
     let finest = own().filter(rate_kept).min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2));
     let both = own().filter(error_kept).filter(rate_kept);
-    // With a frame rate to keep, spare time is spent on accuracy; without one, the fastest is best.
+    // With a required frame rate, spare time is spent on accuracy; without one, the fastest is best.
     let best = match fps {
         Some(_) => both.min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2)),
         None => both.min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms)),
@@ -169,10 +171,10 @@ pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> Str
     format!("asked for: no measured setting does it here{}\n", nearest.concat())
 }
 
-/// The measurements as CSV.
+/// Formats the measurements as CSV.
 ///
 /// # Errors
-/// Only on a bug.
+/// Fails only on a bug.
 pub fn csv(rows: &[Measurement]) -> Result<String> {
     let bug = |e: &dyn std::fmt::Display| {
         Error::failed(format!("the table is no CSV ({e})"), "report this as a bug of diffract")
@@ -183,7 +185,7 @@ pub fn csv(rows: &[Measurement]) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| bug(&e))
 }
 
-/// The measurements of `frame` in a CSV of [`csv()`]. Lines that cannot be read are skipped.
+/// Reads the measurements of `frame` from a CSV of [`csv()`]. Unreadable lines are skipped.
 pub fn from_csv(text: &str, frame: &str) -> Vec<Measurement> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     reader
@@ -193,7 +195,7 @@ pub fn from_csv(text: &str, frame: &str) -> Vec<Measurement> {
         .collect()
 }
 
-/// The measurements as a Markdown table, the fastest first.
+/// Formats the measurements as a Markdown table, the fastest first.
 pub fn markdown(rows: &[Measurement], heading: &str, impossible: &[(String, String)]) -> String {
     let front = pareto(rows);
     let mut order: Vec<usize> = (0..rows.len()).collect();

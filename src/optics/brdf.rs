@@ -17,8 +17,8 @@ pub fn schlick_from(at_normal: f64, cos_half_angle: f64) -> f64 {
     at_normal + (1.0 - at_normal) * (1.0 - cos_half_angle.min(1.0)).powi(5)
 }
 
-/// f·cos θ_i / R for a power `|P|²` \[µm⁴\] seen through a window of effective area `area` = ∬ g² \[µm²\] at
-/// `wavelength` \[µm\] (\[Single 2014\] B.12): k² G cos θ_i / (4π² A w²) · |P|². It is 0 below the horizon.
+/// Returns f·cos θ_i / R for a power `|P|²` \[µm⁴\] seen through a window of effective area `area` = ∬ g² \[µm²\] at `wavelength` \[µm\]
+/// (\[Single 2014\] B.12): k² G cos θ_i / (4π² A w²) · |P|². It is 0 below the horizon.
 pub fn cosine_weighted(pair: &Pair, wavelength: f64, area: f64, power: f64) -> f64 {
     if !pair.above_horizon() {
         return 0.0;

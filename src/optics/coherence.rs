@@ -1,33 +1,33 @@
-//! What surrounds the patch: the part of the surface over which the light is coherent.
+//! Coherence: the part of the surface over which the light is coherent.
 //!
-//! Along one axis the window and the copies of the patch fold into one complex weight per sample,
-//! W_u(x) = Σ_m g₁(x + mT) e^{iku(x + mT)}, so the exact sum costs one patch however many copies the window sees.
+//! Along one axis the window and the copies of the patch fold into one complex weight per sample, W_u(x) = Σ_m g₁(x + mT) e^{iku(x + mT)},
+//! so the exact sum costs one patch for any number of copies in the window.
 
 use rustfft::num_complex::Complex64;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Where the Gaussian window is cut off, in standard deviations: g = e^(−24.5) = 2e-11 there.
+/// Cut-off of the Gaussian window in standard deviations: g = e^(−24.5) = 2e-11 there.
 pub const GAUSSIAN_CUT: f64 = 7.0;
 
 /// Coherence length of sunlight \[µm\] (\[Dhillon 2014\]).
 pub const SUNLIGHT_LENGTH: f64 = 65.0;
 
-/// Where the coherence window stands on the surface.
+/// Positions of the coherence window on the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Windows {
-    /// Everywhere: the mean over all positions, what a pixel sees that covers many coherence areas.
+    /// All positions: the mean over them, seen by a pixel that covers many coherence areas.
     #[default]
     All,
-    /// At n × m positions, (i T_x/n, j T_y/m) from the patch centre; 1 × 1 is the thesis' one window.
+    /// n × m positions, (i T_x/n, j T_y/m) from the patch centre; 1 × 1 is the thesis' single window.
     Grid([u32; 2]),
 }
 
 impl Windows {
-    /// One window in the middle of the patch.
+    /// Single window in the middle of the patch.
     pub const ONE: Self = Self::Grid([1, 1]);
 
-    /// The positions along each axis, where they can be counted.
+    /// Returns the number of positions along each axis; `None` for all positions.
     pub fn grid(self) -> Option<[u32; 2]> {
         match self {
             Self::All => None,
@@ -45,19 +45,19 @@ impl std::fmt::Display for Windows {
     }
 }
 
-/// How the surface goes on beyond the measured patch.
+/// Continuation of the surface beyond the measured patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Beyond {
-    /// The patch repeats without end. Its orders are those of the tiling.
+    /// Periodic extension of the patch, with the orders of the tiling.
     #[default]
     Copies,
-    /// The surface goes on with the same statistics: the patch is tapered by a Hann window in each axis, and a Gaussian lag window
-    /// multiplies its autocorrelation (Blackman and Tukey, *The Measurement of Power Spectra*, 1958).
+    /// Surface with the same statistics: the patch is tapered by a Hann window in each axis, and a Gaussian lag window multiplies its
+    /// autocorrelation (Blackman and Tukey, *The Measurement of Power Spectra*, 1958).
     Alike,
 }
 
 impl Beyond {
-    /// The word for it.
+    /// Returns the name in options and reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Copies => "copies",
@@ -66,15 +66,15 @@ impl Beyond {
     }
 }
 
-/// The coherence of the light at the surface.
+/// Coherence of the light at the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum Coherence {
-    /// The patch repeats without end, seen through g = exp(−(x² + y²)/(2σ²)), σ = `length`/4 \[µm\].
+    /// Periodic patch seen through g = exp(−(x² + y²)/(2σ²)), σ = `length`/4 \[µm\].
     Gaussian {
         /// Coherence length ℓ \[µm\]; sunlight: 65 µm.
         length: f64,
     },
-    /// Exactly `[n, m]` copies of the patch side by side and no other window (\[Single 2014\] C.2).
+    /// Finite grating of exactly `[n, m]` copies of the patch, without another window (\[Single 2014\] C.2).
     Repeats([u32; 2]),
 }
 
@@ -82,7 +82,7 @@ impl Coherence {
     /// Sunlight: a Gaussian of 65 µm (\[Dhillon 2014\]).
     pub const SUNLIGHT: Self = Self::Gaussian { length: SUNLIGHT_LENGTH };
 
-    /// σ of the Gaussian window \[µm\], where there is one.
+    /// Returns σ of the Gaussian window \[µm\]; `None` for a finite grating.
     pub fn sigma(&self) -> Option<f64> {
         match self {
             Self::Gaussian { length } => Some(length / 4.0),
@@ -90,7 +90,7 @@ impl Coherence {
         }
     }
 
-    /// The window's effective area A = ∬ g² dx dy \[µm²\] over patches of side `patch` \[µm\].
+    /// Returns the window's effective area A = ∬ g² dx dy \[µm²\] over patches of side `patch` \[µm\].
     pub fn area(&self, patch: [f64; 2]) -> f64 {
         match *self {
             Self::Gaussian { length } => PI * (length / 4.0).powi(2),
@@ -98,8 +98,8 @@ impl Coherence {
         }
     }
 
-    /// The displacement along `axis` \[µm\] beyond which the window's autocorrelation is below `level`: what sets how fast
-    /// the response varies with spatial frequency.
+    /// Returns the displacement along `axis` \[µm\] beyond which the window's autocorrelation is below `level`. It limits how fast the
+    /// response varies with spatial frequency.
     pub fn correlation_extent(&self, patch: [f64; 2], axis: usize, level: f64) -> f64 {
         match *self {
             // The autocorrelation of g is exp(−x²/(4σ²)).
@@ -108,8 +108,8 @@ impl Coherence {
         }
     }
 
-    /// How far apart two points of the window's autocorrelation are along a ray, from their parts along x and y: an
-    /// ellipse of a Gaussian, a rectangle of repeats.
+    /// Returns the extent of the window's autocorrelation along a ray, from its parts along x and y: an ellipse for a Gaussian, a rectangle
+    /// for repeats.
     pub fn path(&self, x: f64, y: f64) -> f64 {
         match self {
             Self::Gaussian { .. } => x.hypot(y),
@@ -118,7 +118,7 @@ impl Coherence {
     }
 }
 
-/// One axis of a patch seen through a window: positions of the samples and the window's place.
+/// One axis of a patch seen through a window: positions of the samples and of the window.
 #[derive(Clone, Copy, Debug)]
 pub struct WindowedAxis {
     /// Number of samples.
@@ -130,23 +130,23 @@ pub struct WindowedAxis {
 }
 
 impl WindowedAxis {
-    /// Period of the patch along this axis \[µm\].
+    /// Returns the period of the patch along this axis \[µm\].
     pub fn period(&self) -> f64 {
         self.samples as f64 * self.spacing
     }
 
-    /// Position of sample `i` from the patch centre \[µm\].
+    /// Returns the position of sample `i` from the patch centre \[µm\].
     pub fn position(&self, i: usize) -> f64 {
         (i as f64 - (self.samples as f64 - 1.0) / 2.0) * self.spacing
     }
 
-    /// W_u(x_i) for every sample, for κ = k·u \[rad/µm\]: the Gaussian of standard deviation `sigma` \[µm\] over all
-    /// copies of the patch with |x + mT − shift| ≤ 7σ.
+    /// Returns W_u(x_i) for every sample, for κ = k·u \[rad/µm\]: the Gaussian of standard deviation `sigma` \[µm\] over all copies of the
+    /// patch with |x + mT − shift| ≤ 7σ.
     pub fn gaussian_weights(&self, sigma: f64, kappa: f64) -> Vec<Complex64> {
         self.gaussian(sigma).weights(kappa)
     }
 
-    /// What [`WindowedAxis::gaussian_weights`] needs for any κ.
+    /// Returns the part of [`WindowedAxis::gaussian_weights`] that does not depend on κ.
     pub fn gaussian(&self, sigma: f64) -> GaussianWindow {
         let (period, cut) = (self.period(), GAUSSIAN_CUT * sigma);
         let place = |i: usize| self.position(i) - self.shift;
@@ -159,8 +159,8 @@ impl WindowedAxis {
         GaussianWindow { axis: *self, values: values.collect(), copies }
     }
 
-    /// W_u(x_i) for `copies` copies side by side: e^{iκx} Σ_{m<n} e^{iκmT}. With a shifted window the copies begin at
-    /// the shift, so samples before it come from the copy after the last.
+    /// Returns W_u(x_i) for `copies` copies side by side: e^{iκx} Σ_{m<n} e^{iκmT}. With a shifted window the copies begin at the shift, so
+    /// samples before it come from the copy after the last.
     pub fn repeat_weights(&self, copies: u32, kappa: f64) -> Vec<Complex64> {
         let period = self.period();
         let factor = periodic_factor(copies, kappa * period);
@@ -175,18 +175,18 @@ impl WindowedAxis {
     }
 }
 
-/// A Gaussian window at every sample of an axis.
+/// Gaussian window at every sample of an axis.
 #[derive(Clone, Debug)]
 pub struct GaussianWindow {
     axis: WindowedAxis,
-    /// Where the copies of the patch that it reaches stand \[µm\].
+    /// Offsets of the copies of the patch within the window \[µm\].
     copies: Vec<f64>,
-    /// Its height, sample by sample, at each copy.
+    /// Window at each copy, sample by sample.
     values: Vec<f64>,
 }
 
 impl GaussianWindow {
-    /// [`WindowedAxis::gaussian_weights`] for `kappa`.
+    /// Returns the weights of [`WindowedAxis::gaussian_weights`] for `kappa`.
     pub fn weights(&self, kappa: f64) -> Vec<Complex64> {
         let turns: Vec<Complex64> = self.copies.iter().map(|copy| Complex64::cis(kappa * copy)).collect();
         let weight = |i: usize| -> Complex64 {
@@ -198,8 +198,8 @@ impl GaussianWindow {
     }
 }
 
-/// Σ_{m<n} e^{imφ}, finite and exact where sin(φ/2) → 0. \[Single 2014\] C.15 is 0/0 there; this form reduces φ to the
-/// nearest multiple of 2π first and takes the sum's own value, n, at the peak.
+/// Returns Σ_{m<n} e^{imφ}, finite and exact for sin(φ/2) → 0. \[Single 2014\] C.15 is 0/0 there; this form reduces φ to the nearest
+/// multiple of 2π first and returns the value of the sum, n, at the peak.
 pub fn periodic_factor(copies: u32, phase: f64) -> Complex64 {
     let n = f64::from(copies);
     // The remainder of the division by 2π, within ±π: as good as the argument itself, which is known to 2⁻⁵³ of its size.
@@ -235,7 +235,7 @@ mod tests {
         let axis = WindowedAxis { samples: 6, spacing: 0.25, shift: 0.5 };
         let (sigma, kappa) = (2.0, 3.7);
         let folded: Complex64 = axis.gaussian_weights(sigma, kappa).iter().sum();
-        // Every sample of the endless surface on its own.
+        // Direct sum over every sample of the periodic surface.
         let direct: Complex64 = (-400..400)
             .map(|j| (f64::from(j) + 0.5) * 0.25 - 0.5)
             .filter(|x: &f64| x.abs() <= GAUSSIAN_CUT * sigma)

@@ -1,4 +1,4 @@
-//! From tristimulus values to linear sRGB, and from there to a display.
+//! Conversion from tristimulus values to linear sRGB, and from there to a display.
 
 use crate::error::{Error, Result};
 use glam::{DMat3, DVec3};
@@ -6,9 +6,8 @@ use glam::{DMat3, DVec3};
 /// Relative luminance of linear sRGB, the second row of the matrix to XYZ (IEC 61966-2-1).
 pub const LUMINANCE: DVec3 = DVec3::new(0.212_639_005_871_510, 0.715_168_678_767_756, 0.072_192_315_360_734);
 
-/// XYZ (Y = 1 for a perfect mirror image of the light) to linear sRGB: the inverse of the matrix that the primaries
-/// and the D65 white (0.3127, 0.3290) of IEC 61966-2-1 define. Components may be negative: diffraction colours leave
-/// the gamut, and floats keep them.
+/// Converts XYZ (Y = 1 for a perfect mirror image of the light) to linear sRGB: the inverse of the matrix that the primaries and the D65
+/// white (0.3127, 0.3290) of IEC 61966-2-1 define. Components may be negative: diffraction colours leave the gamut, and floats keep them.
 pub fn xyz_to_linear_srgb(xyz: DVec3) -> DVec3 {
     DMat3::from_cols(
         DVec3::new(3.240_969_941_904_521, -0.969_243_636_280_880, 0.055_630_079_696_994),
@@ -17,8 +16,8 @@ pub fn xyz_to_linear_srgb(xyz: DVec3) -> DVec3 {
     ) * xyz
 }
 
-/// Moves a linear colour into the display's gamut along the line to the grey of its own luminance, so that hue stays
-/// and only saturation gives way; luminance is limited to 0 … 1. The twin of `map_to_gamut` in `color.glsl`.
+/// Moves a linear colour into the display's gamut along the line to the grey of the same luminance: hue stays, saturation is reduced.
+/// Luminance is limited to 0 … 1. Twin of `map_to_gamut` in `color.glsl`.
 pub fn map_to_gamut(rgb: DVec3) -> DVec3 {
     let grey = LUMINANCE.dot(rgb).clamp(0.0, 1.0);
     let away = rgb - DVec3::splat(grey);
@@ -34,13 +33,13 @@ pub fn map_to_gamut(rgb: DVec3) -> DVec3 {
     (DVec3::splat(grey) + away * reach).clamp(DVec3::ZERO, DVec3::ONE)
 }
 
-/// How colours reach a display that is less bright and less saturated than they are.
+/// Tone curve for a display that is less bright and less saturated than the colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
-    /// As they are, up to the edge of the gamut: [`map_to_gamut`].
+    /// Unchanged colours up to the edge of the gamut: [`map_to_gamut`].
     #[default]
     None,
-    /// The highlights softly to white: [`neutral`].
+    /// Soft roll-off of highlights to white: [`neutral`].
     Neutral,
 }
 
@@ -48,7 +47,7 @@ impl Tone {
     /// All tones.
     pub const ALL: [Self; 2] = [Self::None, Self::Neutral];
 
-    /// The name, as users write it.
+    /// Returns the name in options.
     pub const fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -56,10 +55,10 @@ impl Tone {
         }
     }
 
-    /// The tone of that name.
+    /// Returns the tone of that name.
     ///
     /// # Errors
-    /// Another name; lists those that there are.
+    /// Another name; lists the known ones.
     pub fn from_name(name: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|tone| tone.name() == name).ok_or_else(|| {
             let names = Self::ALL.map(Self::name).join(" or ");
@@ -67,7 +66,7 @@ impl Tone {
         })
     }
 
-    /// What is displayed of an exposed linear colour: within 0 … 1.
+    /// Maps an exposed linear colour to 0 … 1.
     pub fn map(self, rgb: DVec3) -> DVec3 {
         match self {
             Self::None => map_to_gamut(rgb),
@@ -76,20 +75,21 @@ impl Tone {
     }
 }
 
-/// The Khronos PBR Neutral Tone Mapper (Khronos Group, 2024) after [`without_negatives`]. Colours are kept, less what Fresnel's equations add to
-/// a dielectric of index 1.5; only where one component is bright they go to white, and hue stays. The twin of `neutral` in `color.glsl`.
+/// Applies the Khronos PBR Neutral Tone Mapper (Khronos Group, 2024) after [`without_negatives`]. Colours are kept, less the part that
+/// Fresnel's equations add to a dielectric of index 1.5; only colours with a bright component go to white, and hue stays. Twin of `neutral`
+/// in `color.glsl`.
 pub fn neutral(rgb: DVec3) -> DVec3 {
-    /// Reflectance at normal incidence of a dielectric, which is taken away.
+    /// Reflectance at normal incidence of a dielectric, which is subtracted.
     const FRESNEL: f64 = 0.04;
-    /// The brightest component from which on highlights are compressed.
+    /// Brightest component from which highlights are compressed.
     const START: f64 = 0.8 - FRESNEL;
-    /// How soon highlights lose their saturation.
+    /// Rate at which highlights lose their saturation.
     const DESATURATION: f64 = 0.15;
-    /// Between the start and white.
+    /// Range between the start and white.
     const ROOM: f64 = 1.0 - START;
     let rgb = without_negatives(rgb);
     let least = rgb.min_element();
-    // A parabola from 0 to the reflectance at twice of it, where its slope is that of the line.
+    // A parabola from 0 that joins the constant offset smoothly at twice the reflectance.
     let offset = if least < 2.0 * FRESNEL { least - least * least / (4.0 * FRESNEL) } else { FRESNEL };
     let rgb = (rgb - offset).max(DVec3::ZERO);
     let peak = rgb.max_element();
@@ -101,7 +101,7 @@ pub fn neutral(rgb: DVec3) -> DVec3 {
     (rgb * (compressed / peak)).lerp(DVec3::splat(compressed), white)
 }
 
-/// Moves a linear colour along the line to the grey of its own luminance until no component is negative. The twin of `without_negatives` in
+/// Moves a linear colour along the line to the grey of the same luminance until no component is negative. Twin of `without_negatives` in
 /// `color.glsl`.
 pub fn without_negatives(rgb: DVec3) -> DVec3 {
     let least = rgb.min_element();
@@ -113,28 +113,28 @@ pub fn without_negatives(rgb: DVec3) -> DVec3 {
     DVec3::splat(grey).lerp(rgb, reach).max(DVec3::ZERO)
 }
 
-/// The sRGB transfer function (IEC 61966-2-1) from linear 0 … 1 to code value 0 … 1.
+/// Applies the sRGB transfer function (IEC 61966-2-1), from linear 0 … 1 to code value 0 … 1.
 pub fn srgb_transfer(linear: f64) -> f64 {
     // The two segments meet here by the standard's definition.
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// What a display shows as black: half of the first 8-bit code above zero, in linear light. Errors below it cannot be
-/// seen, so it is the floor of every relative error.
+/// Smallest visible value on a display: half of the first 8-bit code above zero, in linear light. Errors below it cannot be seen, so it is
+/// the floor of every relative error.
 pub const DISPLAY_BLACK: f64 = 0.5 / 255.0 / 12.92;
 
-/// The 8-bit display value of a linear colour at `exposure` stops: exposure, gamut, transfer, rounding.
+/// Returns the 8-bit display value of a linear colour at `exposure` stops: exposure, gamut, transfer, rounding.
 pub fn display(rgb: DVec3, exposure: f64) -> [u8; 3] {
     code(map_to_gamut(rgb * exposure.exp2()))
 }
 
-/// The same by `tone` where `rgb` covers the part `coverage` (0 … 1) of a pixel and `background`, linear sRGB that neither exposure nor tone changes,
-/// the rest. What is seen of both is mixed in linear light, as it reaches a sensor. The twin of `display.frag`.
+/// Returns the 8-bit display value by `tone` of a pixel that `rgb` covers by the part `coverage` (0 … 1). The rest is `background`, linear
+/// sRGB that neither exposure nor tone changes. Both are mixed in linear light, as on a sensor. Twin of `display.frag`.
 pub fn display_over(rgb: DVec3, exposure: f64, tone: Tone, coverage: f64, background: DVec3) -> [u8; 3] {
     code(map_to_gamut(background).lerp(tone.map(rgb * exposure.exp2()), coverage))
 }
 
-/// The 8-bit code of a linear colour within 0 … 1.
+/// Returns the 8-bit code of a linear colour within 0 … 1.
 fn code(linear: DVec3) -> [u8; 3] {
     [0, 1, 2].map(|i| (srgb_transfer(linear[i]) * 255.0).round() as u8)
 }
@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(display(DVec3::splat(-1.0), 0.0), [0; 3]);
     }
 
-    /// Colours of every kind, also outside of the gamut.
+    /// Returns colours of every kind, also outside of the gamut.
     fn colours() -> Vec<DVec3> {
         let steps = [-0.4, 0.0, 0.03, 0.08, 0.3, 0.76, 1.0, 7.0];
         let with = |r, g| steps.map(|b| DVec3::new(r, g, b));
@@ -197,7 +197,7 @@ mod tests {
     fn the_neutral_tone_has_no_step_where_its_pieces_meet() {
         const STEP: f64 = 1e-9;
         let apart = |a: [f64; 3], b: [f64; 3]| (neutral(a.into()) - neutral(b.into())).abs().max_element();
-        // Of the offset, at 0.08; of the compression, at 0.76 behind the offset; of the gamut.
+        // Seams of the offset, at 0.08; of the compression, at 0.76 behind the offset; of the gamut.
         assert!(apart([0.08 - STEP, 0.3, 0.5], [0.08 + STEP, 0.3, 0.5]) < 4.0 * STEP);
         assert!(apart([0.0, 0.3, 0.76 - STEP], [0.0, 0.3, 0.76 + STEP]) < 4.0 * STEP);
         assert!(apart([0.2, 0.3, 0.8 - STEP], [0.2, 0.3, 0.8 + STEP]) < 4.0 * STEP);

@@ -1,13 +1,13 @@
-//! How different two displayed colours look: CIEDE2000 (CIE 142-2001), in the form of Sharma, Wu and Dalal, *The CIEDE2000 color-difference
-//! formula* (Color Research and Application 30, 2005), with all parametric factors 1.
+//! Perceived difference of two displayed colours: CIEDE2000 (CIE 142-2001), in the form of Sharma, Wu and Dalal, *The CIEDE2000
+//! color-difference formula* (Color Research and Application 30, 2005), with all parametric factors 1.
 
 use glam::{DMat3, DVec3};
 
-/// CIE L\*a\*b\* of a linear sRGB colour, under the white of sRGB, D65.
+/// Returns CIE L\*a\*b\* of a linear sRGB colour, under the white of sRGB, D65.
 pub fn lab(rgb: DVec3) -> DVec3 {
-    /// From linear sRGB to XYZ (IEC 61966-2-1), row by row.
+    /// Matrix from linear sRGB to XYZ (IEC 61966-2-1), row by row.
     const XYZ: [[f64; 3]; 3] = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
-    /// Below, the cube root is continued by a line (CIE 15:2004, 8.2.1).
+    /// Ratio below which the cube root is continued by a line (CIE 15:2004, 8.2.1).
     const LINEAR: f64 = 216.0 / 24389.0;
     let matrix = DMat3::from_cols_array_2d(&XYZ).transpose();
     let white = matrix * DVec3::ONE;
@@ -16,12 +16,12 @@ pub fn lab(rgb: DVec3) -> DVec3 {
     DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z))
 }
 
-/// ΔE₀₀ of two colours in L\*a\*b\*. A difference of about 1 is just noticeable.
+/// Returns ΔE₀₀ of two colours in L\*a\*b\*. A difference of about 1 is just noticeable.
 pub fn ciede2000(one: DVec3, other: DVec3) -> f64 {
     let [(l1, c1, h1), (l2, c2, h2)] = adapted(one, other);
     let lightness = l2 - l1;
     let chroma = c2 - c1;
-    // Hue differences are taken the short way around, and there are none of grey.
+    // Hue differences are taken the short way around; grey has none.
     let is_grey = c1 * c2 == 0.0;
     let turn = match h2 - h1 {
         _ if is_grey => 0.0,
@@ -52,13 +52,13 @@ pub fn ciede2000(one: DVec3, other: DVec3) -> f64 {
     (scaled.length_squared() + coupling * scaled.y * scaled.z).max(0.0).sqrt()
 }
 
-/// √(C⁷/(C⁷ + 25⁷)).
+/// Returns √(C⁷/(C⁷ + 25⁷)).
 fn saturation(chroma: f64) -> f64 {
     let seventh = chroma.powi(7);
     (seventh / (seventh + 25f64.powi(7))).sqrt()
 }
 
-/// L, C′ and h′ \[degrees, 0 to 360\] of both colours: a\* is stretched where colours are grey.
+/// Returns L, C′ and h′ \[degrees, 0 to 360\] of both colours: a\* is stretched near grey.
 fn adapted(one: DVec3, other: DVec3) -> [(f64, f64, f64); 2] {
     let mean_chroma = (one.y.hypot(one.z) + other.y.hypot(other.z)) / 2.0;
     let stretch = 1.0 + 0.5 * (1.0 - saturation(mean_chroma));

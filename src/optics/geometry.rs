@@ -1,9 +1,9 @@
-//! Directions in the tangent frame and what the optics needs of a pair of them.
+//! Directions in the tangent frame and the quantities that the optics derives from a pair of them.
 
 use glam::DVec3;
 
-/// Sine and cosine of an angle in degrees, exact at every multiple of 90°, so that a direction in the horizon has a
-/// cosine of 0 and not of 6e-17 (by which the geometric factor would divide).
+/// Returns sine and cosine of an angle in degrees, exact at every multiple of 90°, so that a direction in the horizon has a cosine of 0 and
+/// not of 6e-17 (by which the geometric factor would divide).
 pub fn sin_cos_degrees(angle: f64) -> (f64, f64) {
     let turn = angle.rem_euclid(360.0);
     let quadrant = (turn / 90.0).floor();
@@ -16,14 +16,14 @@ pub fn sin_cos_degrees(angle: f64) -> (f64, f64) {
     }
 }
 
-/// The unit vector at polar angle `theta` from +N and azimuth `phi` from +T toward +B \[degrees\].
+/// Returns the unit vector at polar angle `theta` from +N and azimuth `phi` from +T toward +B \[degrees\].
 pub fn direction(theta: f64, phi: f64) -> DVec3 {
     let (sin_theta, cos_theta) = sin_cos_degrees(theta);
     let (sin_phi, cos_phi) = sin_cos_degrees(phi);
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
-/// A light and a view direction, both away from the surface, and what follows from the pair.
+/// Pair of a light and a view direction, both away from the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// ω_i, to the light.
@@ -33,29 +33,29 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// The pair of unit vectors `light` = ω_i and `view` = ω_r.
+    /// Returns the pair of unit vectors `light` = ω_i and `view` = ω_r.
     pub fn new(light: DVec3, view: DVec3) -> Self {
         Self { light, view }
     }
 
-    /// Whether both directions are above the surface; below the horizon nothing is reflected.
+    /// Returns true if both directions are above the surface; below the horizon nothing is reflected.
     pub fn above_horizon(&self) -> bool {
         self.light.z > 0.0 && self.view.z > 0.0
     }
 
-    /// (u, v, w) = −ω_i − ω_r, dimensionless, with w ≤ 0 above the horizon and a length of at most 2.
+    /// Returns (u, v, w) = −ω_i − ω_r, dimensionless, with w ≤ 0 above the horizon and a length of at most 2.
     pub fn uvw(&self) -> DVec3 {
         -self.light - self.view
     }
 
-    /// Cosine between either direction and the half vector: |(u, v, w)|/2, because
-    /// ω_i·(ω_i + ω_r) = |ω_i + ω_r|²/2 for unit vectors.
+    /// Returns the cosine between either direction and the half vector: |(u, v, w)|/2, because ω_i·(ω_i + ω_r) = |ω_i + ω_r|²/2 for unit
+    /// vectors.
     pub fn cos_half_angle(&self) -> f64 {
         self.uvw().length() / 2.0
     }
 
-    /// G · cos θ_i with G = (1 + ω_i·ω_r)²/(cos θ_i cos θ_r) (\[Single 2014\] B.13). The sum 1 + ω_i·ω_r cancels near
-    /// opposite grazing directions; (u² + v² + w²)/2 equals it and does not.
+    /// Returns G · cos θ_i with G = (1 + ω_i·ω_r)²/(cos θ_i cos θ_r) (\[Single 2014\] B.13). The sum 1 + ω_i·ω_r cancels near opposite
+    /// grazing directions; (u² + v² + w²)/2 equals it and does not.
     pub fn geometric_factor_times_cos_light(&self) -> f64 {
         let one_plus_dot = self.uvw().length_squared() / 2.0;
         one_plus_dot * one_plus_dot / self.view.z

@@ -1,14 +1,14 @@
 //! The grating equation in the signs of this program: u = m λ/d along the grating's axis.
 
-/// The period d \[µm\] of a grating that sends `wavelength` \[µm\] to `sin_view` from `sin_light` (both from +N toward
-/// the axis) in order `order`: d = m λ / |sin θ_r + sin θ_i|. `None` in the mirror direction, where every period fits.
+/// Returns the period d \[µm\] of a grating that sends `wavelength` \[µm\] to `sin_view` from `sin_light` (both from +N toward the axis) in
+/// order `order`: d = m λ / |sin θ_r + sin θ_i|. `None` in the specular direction, where every period fits.
 pub fn period(wavelength: f64, sin_light: f64, sin_view: f64, order: u32) -> Option<f64> {
     let u = (sin_light + sin_view).abs();
     (u > 0.0).then(|| f64::from(order) * wavelength / u)
 }
 
-/// sin θ_r of order `order` of a grating of period `period` \[µm\], where it propagates: sin θ_i + sin θ_r = −m λ/d,
-/// because u = −sin θ_i − sin θ_r = m λ/d.
+/// Returns sin θ_r of order `order` of a grating of period `period` \[µm\]; `None` if the order does not propagate. sin θ_i + sin θ_r = −m
+/// λ/d, because u = −sin θ_i − sin θ_r = m λ/d.
 pub fn sin_view(wavelength: f64, sin_light: f64, period: f64, order: i32) -> Option<f64> {
     let s = -f64::from(order) * wavelength / period - sin_light;
     (s.abs() < 1.0).then_some(s)

@@ -1,4 +1,4 @@
-//! What a surface is made of: complex refractive indices n + ik over the visible range.
+//! Materials: complex refractive indices n + ik over the visible range.
 
 use super::spectrum::{LONGEST, SHORTEST, SpectralTable};
 use crate::error::{Error, Result};
@@ -7,11 +7,11 @@ use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::Path;
 
-/// The formulas and tables that the program brings; `assets/materials/README.md` names the sources.
+/// Built-in materials; `assets/materials/README.md` names the sources.
 pub const BUILT_IN: [&str; 8] =
     ["glass", "keratin", "aluminium", "silver", "gold", "copper", "nickel", "silicon"];
 
-/// The tables among them.
+/// Built-in materials that are tables.
 const TABLES: [(&str, &str); 6] = [
     ("aluminium", include_str!("../../assets/materials/aluminium.csv")),
     ("silver", include_str!("../../assets/materials/silver.csv")),
@@ -23,18 +23,18 @@ const TABLES: [(&str, &str); 6] = [
 
 const NM_PER_UM: f64 = 1e3;
 
-/// A material with a complex refractive index.
+/// Material with a complex refractive index.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Material {
-    /// The built-in name or the file that it was read from.
+    /// Built-in name, or the file that the table was read from.
     pub name: String,
     index: Index,
 }
 
-/// How n + ik follows from the wavelength.
+/// Formula or table of n + ik over the wavelength.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 enum Index {
-    /// The same for all wavelengths.
+    /// Constant over the wavelength.
     Constant(f64),
     /// n² = 1 + Σ B λ²/(λ² − C), λ in µm: pairs of B and C \[µm²\].
     Sellmeier([[f64; 2]; 3]),
@@ -51,15 +51,15 @@ const BK7: [[f64; 2]; 3] =
 const KERATIN: [f64; 2] = [1.532, 0.005_890];
 
 impl Material {
-    /// A transparent material whose refractive index is `n` at all wavelengths.
+    /// Returns a transparent material of refractive index `n` at all wavelengths.
     pub fn constant(n: f64) -> Self {
         Self { name: n.to_string(), index: Index::Constant(n) }
     }
 
-    /// A built-in material by name, or a CSV file of wavelength \[nm\], n and k; without k the material absorbs nothing.
+    /// Returns a built-in material by name, or reads a CSV file of wavelength \[nm\], n and k; without k the material absorbs nothing.
     ///
     /// # Errors
-    /// A file that cannot be read, is no such table, does not cover 380 to 780 nm, or has values that no material has.
+    /// Fails if the file cannot be read, is no such table, does not cover 380 to 780 nm, or has values that no material has.
     pub fn from_name_or_file(name: impl AsRef<OsStr>) -> Result<Self> {
         let name = name.as_ref();
         let known = |own: &str| {
@@ -77,7 +77,7 @@ impl Material {
         }
     }
 
-    /// Whether [`Self::from_name_or_file`] takes `name` for one of its own.
+    /// Returns true if `name` is a built-in material.
     pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
         let name = name.as_ref();
         BUILT_IN.iter().chain(&["aluminum"]).any(|known| name.eq_ignore_ascii_case(known))
@@ -95,10 +95,10 @@ impl Material {
         Self::from_text(&path.to_string_lossy(), &text).map_err(|e| e.at(path.display()))
     }
 
-    /// The material `name` in the text of a CSV file of wavelength \[nm\], n and k.
+    /// Parses the text of a CSV file of wavelength \[nm\], n and k as the material `name`.
     ///
     /// # Errors
-    /// As [`Self::from_name_or_file`].
+    /// Same as [`Self::from_name_or_file`].
     pub fn from_text(name: &str, text: &str) -> Result<Self> {
         let of_three = SpectralTable::<2>::parse(text);
         let table = of_three.or_else(|e| {
@@ -112,7 +112,7 @@ impl Material {
                 "give it from 380 to 780 nm",
             ));
         }
-        /// Beyond every material in visible light.
+        /// Larger than n and k of every material in visible light.
         const LARGEST: f64 = 100.0;
         let sane = |[n, k]: [f64; 2]| n > 0.0 && n <= LARGEST && (0.0..=LARGEST).contains(&k);
         if !table.all(sane) {
@@ -124,12 +124,12 @@ impl Material {
         Ok(Self::named(name, Index::Table(table)))
     }
 
-    /// The refractive index, where it is real and the same at all wavelengths.
+    /// Returns the refractive index if it is real and the same at all wavelengths.
     pub fn constant_index(&self) -> Option<f64> {
         if let Index::Constant(n) = self.index { Some(n) } else { None }
     }
 
-    /// n + ik at `wavelength` \[µm\].
+    /// Returns n + ik at `wavelength` \[µm\].
     pub fn index(&self, wavelength: f64) -> Complex64 {
         let squared = wavelength * wavelength;
         match &self.index {
@@ -140,7 +140,7 @@ impl Material {
             }
             Index::Cauchy([a, b]) => (a + b / squared).into(),
             Index::Table(table) => {
-                // Held inside the table against the rounding of the last wavelength.
+                // Clamped, because the last wavelength may be rounded beyond the table.
                 let [first, last] = table.ends();
                 let [n, k] = table.at((wavelength * NM_PER_UM).clamp(first, last));
                 Complex64::new(n, k)

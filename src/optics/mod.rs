@@ -11,6 +11,7 @@ pub mod grating;
 pub mod material;
 pub mod nufft;
 pub mod orders;
+pub mod polarisation;
 pub mod quadrature;
 pub mod reference;
 pub mod reflectance;

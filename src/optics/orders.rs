@@ -1,4 +1,4 @@
-//! Colours through repeats: which wavelengths to sum over, and what each stands for.
+//! Colours through repeats: the wavelengths of the sum, and their weights.
 //!
 //! Along the ray of a pair of directions the response of n copies is H(q) D²(q), with the response H of one period and
 //! D² = |S|²/n², S = Σ_{m<n} e^{2πimc}, c = q|u|T. With many copies D² is a row of needles at the orders c = j, each of
@@ -6,7 +6,7 @@
 //!
 //!   ∫ H D² dc = Σ_l (n − |l|)/n² Ĥ(l)
 //!
-//! needs H's transform Ĥ at whole lags l only, and H has none beyond L periods: one of its own, m|v|T_y/(|u|T_x) from the
+//! needs H's transform Ĥ at whole lags l only, and H has none beyond L periods: one of the patch itself, m|v|T_y/(|u|T_x) from the
 //! other axis' factor, a few from the colour functions. Where L ≤ n, weights that repeat every period do exactly that. At
 //! c = j + r/M with an even M ≥ 2L they are the discrete transform of (n − |l|)/n² over |l| ≤ M/2:
 //!
@@ -25,27 +25,27 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Entries of [`ColourFunctions`]: ten to each of the CIE tables', and as many as every device holds in a row.
+/// Entries of [`ColourFunctions`]: ten to each of the CIE tables', within the row length of every device.
 const COLOUR_ENTRIES: usize = 4096;
-/// The largest error that the colour functions are taken for.
+/// Largest error in the cut-off of the colour functions.
 const COLOUR_TOLERANCE: f64 = 1e-2;
-/// Lag that all copies together have at least \[µm\]: less makes no phase at any wavelength that is seen.
+/// Smallest lag of all copies together \[µm\]: a smaller one makes no phase at any visible wavelength.
 const LEAST_LAG: f64 = 1e-3;
 
-/// The colour functions as a density over wavenumbers, and how fast they vary.
+/// Colour functions as a density over wavenumbers, and their lag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColourFunctions {
     /// XYZ per unit of wavenumber \[µm\] at equal steps from 1/780 nm to 1/380 nm, ends included.
     pub densities: Vec<DVec3>,
-    /// Lag beyond which they have little \[µm\].
+    /// Lag beyond which the colour functions have little energy \[µm\].
     pub lag: f64,
 }
 
 impl ColourFunctions {
-    /// Returns those of `illuminant`, for a relative error of the colour of `tolerance`.
+    /// Returns the colour functions of `illuminant`, for a relative error of the colour of `tolerance`.
     pub fn new(illuminant: &Illuminant, tolerance: f64) -> Self {
         let densities = density_table(illuminant, COLOUR_ENTRIES);
-        // A dark direction is made of the faint lags as much as of the strong ones.
+        // The faint lags contribute as much to a dark direction as the strong ones.
         let lag = lag_of(&densities, tolerance.min(COLOUR_TOLERANCE));
         Self { densities, lag }
     }
@@ -62,12 +62,12 @@ impl ColourFunctions {
     }
 }
 
-/// The lag \[µm\] beyond which the transform of `densities` has less than the part `tolerance` of its amplitude (root of
-/// energies), and that of what a display makes of them nowhere more than half of that part of its value at 0: toward the mirror
-/// direction a sum in steps of 1/lag errs by the two aliases beside it, and red, green and blue are differences of X, Y and Z.
-/// Spikes of a lamp vary faster than daylight.
+/// Returns the lag \[µm\] beyond which the transform of `densities` has less than the part `tolerance` of its amplitude (root of energies).
+/// The displayed linear sRGB of the transform must also be below half of that part of its value at 0 everywhere beyond: toward the specular
+/// direction a sum in steps of 1/lag errs by the two aliases beside it, and red, green and blue are differences of X, Y and Z. Spikes of a
+/// lamp vary faster than daylight.
 fn lag_of(densities: &[DVec3], tolerance: f64) -> f64 {
-    /// Zeros behind the colour functions make lags finer than one period of the visible range.
+    /// Zeros behind the colour functions: lags become finer than one period of the visible range.
     const PADDING: usize = 4;
     let size = PADDING * densities.len();
     let transform = FftPlanner::new().plan_fft_forward(size);
@@ -94,10 +94,10 @@ fn lag_of(densities: &[DVec3], tolerance: f64) -> f64 {
     (kept.unwrap_or(0) + 1) as f64 / (size as f64 * step)
 }
 
-/// Most wavelengths that a colour may take.
+/// Largest number of wavelengths of a colour.
 const MAX_WAVELENGTHS: f64 = 20_000.0;
 
-/// Exactly `copies` periods of a patch of sides `period` \[µm\].
+/// Finite grating of `copies` of a patch with sides `period` \[µm\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repeats {
     /// Copies along x and y.
@@ -106,14 +106,14 @@ pub struct Repeats {
     pub period: [f64; 2],
 }
 
-/// Where within each period along a ray to ask for the response of one patch.
+/// Sample positions of the response of one patch within each period along a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pattern {
-    /// At the order alone.
+    /// Only the order itself.
     Orders,
-    /// At the order and at odd parts of an even number of them, at most 2n.
+    /// The order, and odd multiples of 1/n for this even number n of parts.
     Tails(u64),
-    /// At every one of this number of parts.
+    /// All multiples of 1/n for this number n of parts.
     Every(u64),
 }
 
@@ -127,7 +127,7 @@ impl Pattern {
         }
     }
 
-    /// Where within a period number `index` stands, as a share of it.
+    /// Returns the position of sample `index` within a period, from 0 to 1.
     fn share(self, index: u64) -> f64 {
         match self {
             Self::Orders => 0.0,
@@ -137,7 +137,7 @@ impl Pattern {
         }
     }
 
-    /// Number of the first wavelength at `periods` or beyond.
+    /// Returns the number of the first wavelength at `periods` or beyond.
     fn first_from(self, periods: f64) -> u64 {
         let rest = periods - periods.floor();
         let within = match self {
@@ -150,14 +150,14 @@ impl Pattern {
     }
 }
 
-/// Wavelengths along a ray, by their places in each period.
+/// Wavelengths along a ray, by their positions in each period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PeriodSampling {
-    /// The axis whose periods are counted.
+    /// Axis whose periods are counted.
     axis: usize,
     /// Periods that the ray crosses per wavenumber: |u| T_x or |v| T_y \[µm\].
     periods: f64,
-    /// What to take of each.
+    /// Sample positions in each period.
     pattern: Pattern,
 }
 
@@ -167,7 +167,7 @@ impl PeriodSampling {
         SPAN * self.periods * self.pattern.per_period() as f64
     }
 
-    /// Returns the wavenumber of each and its number within its period.
+    /// Returns each wavenumber with its index within the period.
     fn places(&self) -> impl Iterator<Item = (f64, u64)> {
         let Self { periods, pattern, .. } = *self;
         let per_period = pattern.per_period();
@@ -179,25 +179,26 @@ impl PeriodSampling {
 }
 
 impl Repeats {
-    /// What σ of a Gaussian window stands for in the shader's unit: 4πσ² = |peak|²/A = n m T_x T_y \[µm\].
+    /// Returns the σ of a Gaussian window with the same unit in the shader: 4πσ² = |peak|²/A = n m T_x T_y \[µm\].
     pub fn sigma(&self) -> f64 {
         let [n, m] = self.copies.map(f64::from);
         (n * m * self.period[0] * self.period[1] / (4.0 * PI)).sqrt()
     }
 
-    /// |S_x|²|S_y|²/(n² m²) at the frequency f = (u,v)/λ \[µm⁻¹\]: 1 at the orders.
+    /// Returns |S_x|²|S_y|²/(n² m²) at the frequency f = (u,v)/λ \[µm⁻¹\]: 1 at the orders.
     pub fn factor(&self, frequency: DVec2) -> f64 {
         (0..2).map(|axis| self.factor_along(axis, frequency[axis])).product()
     }
 
     fn factor_along(&self, axis: usize, frequency: f64) -> f64 {
-        // In periods, less the nearest whole number, which is exact: nothing cancels that was not lost before.
+        // Subtracting the nearest whole number of periods is exact, so that no more digits cancel.
         let cycles = frequency * self.period[axis];
         let n = self.copies[axis];
         periodic_factor(n, 2.0 * PI * (cycles - cycles.round())).norm_sqr() / f64::from(n).powi(2)
     }
 
-    /// Returns the sampling along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative error of about `tolerance`. Its twin is `sampling` of `shaders/repeats.glsl`.
+    /// Returns the sampling along (u, v) against colour functions of lag `colour_lag` \[µm\], for a relative error of about `tolerance`.
+    /// Twin of `sampling` in `shaders/repeats.glsl`.
     fn sampling(&self, uv: DVec2, colour_lag: f64, tolerance: f64) -> PeriodSampling {
         let n = self.copies.map(f64::from);
         let lag = [0, 1].map(|axis| n[axis] * uv[axis].abs() * self.period[axis]);
@@ -207,7 +208,7 @@ impl Repeats {
         let pattern = if others <= tolerance * n[axis] {
             Pattern::Orders
         } else if others + 1.0 <= n[axis] {
-            // The patch has a lag of one period of its own.
+            // The patch itself has a lag of one period.
             Pattern::Tails(2 * (others + 1.0).ceil() as u64)
         } else {
             Pattern::Every((others + n[axis]).ceil() as u64)
@@ -215,15 +216,15 @@ impl Repeats {
         PeriodSampling { axis, periods, pattern }
     }
 
-    /// Returns more wavelengths than any direction takes against colour functions of lag `colour_lag` \[µm\].
+    /// Returns an upper bound of the number of wavelengths of any direction, against colour functions of lag `colour_lag` \[µm\].
     pub fn most_wavelengths(&self, colour_lag: f64) -> f64 {
-        // A period takes at most three wavelengths beside those that the other axis and the colours ask for, or `n` more where
-        // every part of it is taken; |(u, v)| ≤ 2.
+        // A period takes at most three wavelengths beside those for the other axis and the colours, or `n` more under [`Pattern::Every`];
+        // |(u, v)| ≤ 2.
         let [x, y] = [0, 1].map(|axis| f64::from(self.copies[axis]) * self.period[axis]);
         SPAN * (6.0 * self.period[0].max(self.period[1]) + colour_lag + 2.0 * x.hypot(y))
     }
 
-    /// Most wavelengths that a colour may take.
+    /// Returns the largest number of wavelengths of a colour.
     pub fn limit(&self) -> f64 {
         MAX_WAVELENGTHS
     }
@@ -236,7 +237,7 @@ impl Repeats {
     /// Fails for more wavelengths than a colour may take.
     ///
     /// # Errors
-    /// With both numbers.
+    /// Too many wavelengths; names both numbers.
     pub fn check(&self, count: f64) -> Result<()> {
         if count <= MAX_WAVELENGTHS {
             return Ok(());
@@ -251,8 +252,8 @@ impl Repeats {
         ))
     }
 
-    /// Returns the wavelengths of a colour along (u, v), for a relative error of about `tolerance`: with the response of one period they
-    /// give that of all, for both factors are in the weights.
+    /// Returns the wavelengths of a colour along (u, v), for a relative error of about `tolerance`. Their weights contain the factors of
+    /// both axes, so that the response of one period gives that of all.
     pub fn wavelengths(&self, uv: DVec2, colours: &ColourFunctions, tolerance: f64) -> Wavelengths {
         let sampling = self.sampling(uv, colours.lag, tolerance);
         let other = 1 - sampling.axis;
@@ -293,7 +294,7 @@ mod tests {
         for order in [0.0, 1.0, 13.0] {
             for offset in [0.0, 1e-10, -1e-10, 1e-6, 3e-3, 0.3] {
                 let f = (order + offset / (2.0 * PI)) / 2.5;
-                // The sum around the order, where its terms are known exactly.
+                // Sum around the order, in terms that are known exactly.
                 let phase: f64 = offset;
                 let (re, im) = (0..40).fold((0.0, 0.0), |(re, im), m| {
                     let (sin, cos) = (f64::from(m) * phase).sin_cos();
@@ -306,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Relative deviation of the colour through `copies` under `pattern` from the reference, which resolves every lag, and the
+    /// Returns the relative deviation of the colour through `copies` under `pattern` from the reference, which resolves every lag, and the
     /// wavelengths that it takes.
     fn deviation(copies: [u32; 2], phi: f64, tolerance: f64, spoil: f64) -> (f64, usize, Pattern) {
         let spec = Spec {
@@ -361,7 +362,7 @@ mod tests {
         assert_eq!(needed([100, 1], [0.8, 0.1], 15.0), needed([9000, 1], [0.8, 0.1], 15.0));
         assert!(needed([100, 50], [0.8, 0.1], 15.0) > 2.0 * needed([100, 1], [0.8, 0.1], 15.0));
         assert!(needed([100, 1], [0.8, 0.1], 150.0) > 2.5 * needed([100, 1], [0.8, 0.1], 15.0));
-        // In the mirror direction the colour functions alone are left.
+        // In the specular direction only the colour functions vary.
         assert!((needed([9000, 9000], [0.0, 0.0], 15.0) - SPAN * 15.0).abs() < 1.0);
     }
 

@@ -1,8 +1,9 @@
-//! Wavelengths to sum over, with weights that hold the colour functions.
+//! Quadrature over wavelengths, with weights that contain the colour functions.
 //!
-//! Along a ray from the mirror direction the response varies with the wavenumber q = 1/λ at a rate that the window fixes: in q the response
-//! |P(q·(u,v))|² has the spectrum of the window's autocorrelation. So a count of wavelengths is a formula: as many as the ray crosses
-//! correlation lengths, plus what the colour functions need. Where the eye sees little, fewer do; see [`WavelengthSets`].
+//! Along a ray from the specular direction the response varies with the wavenumber q = 1/λ at a rate that the window fixes: in q the
+//! response |P(q·(u,v))|² has the spectrum of the window's autocorrelation. So the number of wavelengths follows from a formula: the number
+//! of correlation lengths along the ray, plus the number for the colour functions. Wavelengths to which the eye is less sensitive need
+//! fewer nodes; see [`WavelengthSets`].
 
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
 use glam::DVec3;
@@ -118,7 +119,7 @@ fn kernel_weights(colours: impl Iterator<Item = (f64, DVec3)>, count: usize) -> 
     weights
 }
 
-/// Weights of the four neighbours at −1, 0, 1, 2 of a point at `t` ∈ \[0, 1\] (Catmull & Rom 1974).
+/// Returns the weights of the four neighbours at −1, 0, 1, 2 of a point at `t` ∈ \[0, 1\] (Catmull & Rom 1974).
 fn catmull_rom(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [
@@ -155,12 +156,13 @@ pub fn density_table(illuminant: &Illuminant, count: usize) -> Vec<DVec3> {
     even_wavenumbers(count).into_iter().map(|q| colour.at(q)).collect()
 }
 
-/// Wavelengths of growing counts, so that each direction takes the fewest that suffice. They stand closer where the eye sees more.
+/// Sets of wavelengths of increasing size; each direction takes the smallest sufficient set. Nodes are denser at wavelengths to which the
+/// eye is more sensitive.
 ///
-/// Wavelengths of local step δq along a ray at |(u,v)| alias what the window's autocorrelation exp(−x²/4σ²) has beyond x = 1/(|(u,v)| δq).
-/// An alias of level ε/√s does where the colour functions are s times as large as at their peak, which gives the density of wavelengths
-/// √ln(√s/ε)·2σ|(u,v)|, and none where √s < ε: the ends of the visible range. The square root keeps directions right whose light lies at
-/// one end.
+/// Wavelengths of local step δq along a ray at |(u,v)| alias the part of the window's autocorrelation exp(−x²/4σ²) beyond x = 1/(|(u,v)|
+/// δq). At a wavelength with colour functions s times their peak, an alias of level ε/√s is allowed. The density of wavelengths is
+/// therefore √ln(√s/ε)·2σ|(u,v)|, and 0 for √s < ε: the ends of the visible range. The square root keeps the error of directions small
+/// whose light lies at one end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WavelengthSets {
     /// Wavelengths, in order of their count.
@@ -177,13 +179,13 @@ impl WavelengthSets {
     /// Returns sets for a relative colour error of `tolerance` under `illuminant` through a Gaussian window of standard deviation `sigma`
     /// \[µm\].
     ///
-    /// The many correlation lengths of a direction average an alias down by two, measured on speckle, the directions that speckle makes
-    /// darker than their surroundings included. The count for the colour functions alone is where Catmull–Rom weights reach the tolerance
-    /// on a smooth response.
+    /// The many correlation lengths of a direction average an alias down by a factor of two, measured on speckle, including directions that
+    /// speckle makes darker than their surroundings. The number of nodes for the colour functions alone is the one at which Catmull–Rom
+    /// weights reach the tolerance on a smooth response.
     pub fn gaussian(illuminant: &Illuminant, sigma: f64, tolerance: f64) -> Self {
         /// Ratio of the level of aliases to the error of the colour.
         const AVERAGED: f64 = 2.0;
-        // Above one half the logarithm would ask for no wavelengths at all.
+        // Above one half the logarithm would give no wavelengths at all.
         let level = (AVERAGED * tolerance).clamp(1e-8, 0.5);
         let density = WavelengthDensity::new(illuminant, level);
         let base = 5.0 + 4.0 * (1.0 / level).log10();
@@ -242,7 +244,8 @@ impl WavelengthDensity {
         Self { colour, part, integral }
     }
 
-    /// Returns `count` ≥ 4 wavelengths: each weight is the colour functions' integral against a Catmull–Rom kernel in their own coordinate.
+    /// Returns `count` ≥ 4 wavelengths: each weight is the integral of the colour functions against a Catmull–Rom kernel in the coordinate
+    /// of this density.
     fn wavelengths(&self, count: usize) -> Wavelengths {
         let step = SPAN / self.colour.len() as f64;
         let last = (count - 1) as f64;
@@ -264,8 +267,8 @@ pub(super) mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// A speckled response along a ray: |Σ a_m e^{i2πq·uv·x_m}|², random phases, with the x_m spread as the energy g² of
-    /// the Gaussian window, a normal distribution of standard deviation σ/√2.
+    /// Returns a speckled response along a ray: |Σ a_m e^{i2πq·uv·x_m}|², random phases, with the x_m spread as the energy g² of the
+    /// Gaussian window, a normal distribution of standard deviation σ/√2.
     pub fn speckle(seed: u64, sigma: f64, uv: f64) -> impl Fn(f64) -> f64 {
         let mut random = Random::new(seed);
         let mut uniform = || random.share();
@@ -302,7 +305,7 @@ pub(super) mod tests {
 
     #[test]
     fn near_the_mirror_the_weights_stand_in_for_nodes() {
-        // A response that varies with the wavelength as slowly as a mirror's: what is left is the jagged daylight.
+        // A response that varies with the wavelength as slowly as a mirror's: only the jagged daylight remains.
         let smooth = |q: f64| (q / 2.0).powi(2) * (1.0 + 0.5 * (3.0 * q).sin());
         let truth = colour(&Wavelengths::trapezoid(&Illuminant::D65, 8001), &smooth);
         let error = |nodes: Wavelengths| (colour(&nodes, &smooth) - truth).length() / truth.length();
@@ -351,7 +354,7 @@ pub(super) mod tests {
                 );
                 assert!(rms <= tolerance, "{tolerance} at {uv}: {rms}");
                 if uv > 0.3 {
-                    // Else the count would be a waste.
+                    // Otherwise the count would be too high.
                     assert!(half > tolerance, "{tolerance} at {uv}: {half}");
                 }
             }

@@ -1,4 +1,4 @@
-//! The direct sum in f64: no expansion, no transform, no interpolation. It judges every faster path.
+//! The direct sum in f64: no expansion, no transform, no interpolation. Every faster path is tested against it.
 //!
 //! P = dx·dy Σ_y Σ_x W_u(x) W_v(y) e^{ikwh(x,y)} for each pair of directions and wavelength, with the window and the
 //! copies of the patch folded into W (see [`super::coherence`]). Several wavelengths of one pair are summed together:
@@ -17,11 +17,11 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Fewest nodes of the colour integral: 1 nm apart on average, the resolution of the colour tables.
+/// Smallest number of nodes of the colour integral: 1 nm apart on average, the resolution of the colour tables.
 const COLOUR_NODES: usize = 401;
-/// Level of the window's autocorrelation beyond which the colour integral may alias.
+/// Autocorrelation of the window beyond which the colour integral may alias.
 const ALIAS_LEVEL: f64 = 1e-9;
-/// Most nodes of the colour integral: beyond it the sum would take minutes a direction.
+/// Largest number of nodes of the colour integral: beyond it the sum would take minutes a direction.
 const MAX_NODES: usize = 200_000;
 /// Rows summed by one task: fixed, so that the order of the sum, and with it the last bit, does not depend on the
 /// number of cores.
@@ -29,7 +29,7 @@ const ROWS_PER_TASK: usize = 16;
 /// Wavelengths whose weights are held at once: bounds memory at a few megabytes per thousand samples of a side.
 const WAVELENGTHS_PER_BATCH: usize = 512;
 
-/// A surface under a coherence, ready to be summed.
+/// Surface under a coherence, ready to be summed.
 #[derive(Clone, Debug)]
 pub struct Reference<'a> {
     field: &'a HeightField,
@@ -39,8 +39,8 @@ pub struct Reference<'a> {
 }
 
 impl<'a> Reference<'a> {
-    /// The direct sum over `field` through `coherence`, averaged over `windows` = \[n, m\] window centres (1 × 1 is the
-    /// thesis), for a surface that reflects by `reflectance` (a number is a refractive index).
+    /// Returns the direct sum over `field` through `coherence`, averaged over `windows` = \[n, m\] window centres (1 × 1 is the thesis),
+    /// for a surface that reflects by `reflectance` (a number is a refractive index).
     pub fn new(
         field: &'a HeightField,
         coherence: Coherence,
@@ -50,8 +50,8 @@ impl<'a> Reference<'a> {
         Self { field, coherence, windows, reflectance: reflectance.into() }
     }
 
-    /// The BRDF \[sr⁻¹\] at `wavelength` \[µm\] (\[Single 2014\] B.12). 0 below the horizon and beyond what the samples
-    /// can hold (|u|/λ > 1/(2dx)).
+    /// Returns the BRDF \[sr⁻¹\] at `wavelength` \[µm\] (\[Single 2014\] B.12). 0 below the horizon and beyond the band limit of the
+    /// samples (|u|/λ > 1/(2dx)).
     pub fn brdf(&self, pair: &Pair, wavelength: f64) -> f64 {
         if !pair.above_horizon() {
             return 0.0;
@@ -59,7 +59,7 @@ impl<'a> Reference<'a> {
         self.cosine_weighted_spectrum(pair, 1.0 / wavelength, 0.0, 1)[0] / pair.light.z
     }
 
-    /// f·cos θ_i \[sr⁻¹\] at the wavenumbers q_j = `first` + j·`step` \[µm⁻¹\].
+    /// Returns f·cos θ_i \[sr⁻¹\] at the wavenumbers q_j = `first` + j·`step` \[µm⁻¹\].
     pub fn cosine_weighted_spectrum(&self, pair: &Pair, first: f64, step: f64, count: usize) -> Vec<f64> {
         if !pair.above_horizon() {
             return vec![0.0; count];
@@ -77,10 +77,10 @@ impl<'a> Reference<'a> {
             .collect()
     }
 
-    /// XYZ of f·cos θ_i \[sr⁻¹\] under `illuminant`, normalised to 1 for a perfect mirror image of the light.
+    /// Returns XYZ of f·cos θ_i \[sr⁻¹\] under `illuminant`, normalised to 1 for a perfect mirror image of the light.
     ///
     /// # Errors
-    /// Where the window is so large that the colour integral would need more than 200 000 wavelengths.
+    /// A window so large that the colour integral would need more than 200 000 wavelengths.
     pub fn cosine_weighted_xyz(&self, pair: &Pair, illuminant: &Illuminant) -> Result<DVec3> {
         if !pair.above_horizon() {
             return Ok(DVec3::ZERO);
@@ -91,17 +91,17 @@ impl<'a> Reference<'a> {
         Ok(self.colour_of(pair, &wavelengths, &self.power(pair.uvw(), first, step, count)))
     }
 
-    /// The height field.
+    /// Returns the height field.
     pub(super) fn field(&self) -> &'a HeightField {
         self.field
     }
 
-    /// What surrounds the patch.
+    /// Returns the coherence.
     pub(super) fn coherence(&self) -> &Coherence {
         &self.coherence
     }
 
-    /// Window centres that are averaged over.
+    /// Returns the number of window centres along each axis.
     pub(super) fn windows(&self) -> [u32; 2] {
         self.windows
     }
@@ -119,10 +119,10 @@ impl<'a> Reference<'a> {
         terms.sum()
     }
 
-    /// Wavelengths that resolve the response along the ray of `pair`, `base` of them for the colour functions alone.
+    /// Returns the number of wavelengths that resolve the response along the ray of `pair`, `base` of them for the colour functions alone.
     ///
     /// # Errors
-    /// Where the window is so large that there would be more than 200 000.
+    /// A window so large that there would be more than 200 000.
     pub(super) fn colour_nodes(&self, pair: &Pair, base: usize) -> Result<usize> {
         let uvw = pair.uvw();
         let patch = self.field.patch_size();
@@ -138,8 +138,8 @@ impl<'a> Reference<'a> {
         ))
     }
 
-    /// |P|² \[µm⁴\], averaged over the windows, at the wavenumbers q_j = `first` + j·`step` \[µm⁻¹\] for one (u, v, w).
-    /// 0 where a spatial frequency exceeds 1/(2dx) or 1/(2dy).
+    /// Returns |P|² \[µm⁴\], averaged over the windows, at the wavenumbers q_j = `first` + j·`step` \[µm⁻¹\] for one (u, v, w). 0 if a
+    /// spatial frequency exceeds 1/(2dx) or 1/(2dy).
     pub fn power(&self, uvw: DVec3, first: f64, step: f64, count: usize) -> Vec<f64> {
         let mut power = Vec::with_capacity(count);
         while power.len() < count {
@@ -156,7 +156,7 @@ impl<'a> Reference<'a> {
             let q = first + j as f64 * step;
             (uvw.x * q).abs() <= 0.5 / dx && (uvw.y * q).abs() <= 0.5 / dy
         };
-        // Wavenumbers grow, so what is in the band comes first.
+        // Wavenumbers increase, so those in the band come first.
         let kept = (0..count).take_while(|&j| in_band(j)).count();
         let q = |j: usize| first + j as f64 * step;
         let columns = self.axis_weights(0, (0..kept).map(|j| 2.0 * PI * q(j) * uvw.x));
@@ -170,8 +170,8 @@ impl<'a> Reference<'a> {
         power
     }
 
-    /// W for each wavelength (given by k·u or k·v) and each window along `axis`: `[wavelength][window]`, by samples in
-    /// the order of the height field's columns or rows.
+    /// Returns W for each wavelength (given by k·u or k·v) and each window along `axis`: `[wavelength][window]`, by samples in the order of
+    /// the height field's columns or rows.
     fn axis_weights(&self, axis: usize, kappas: impl Iterator<Item = f64>) -> Vec<Vec<Split>> {
         let samples = [self.field.columns(), self.field.rows()][axis];
         let spacing = self.field.pixel_size()[axis];
@@ -198,7 +198,7 @@ impl<'a> Reference<'a> {
         kappas.map(|kappa| along.iter().map(|along| weights(along, kappa)).collect()).collect()
     }
 
-    /// Σ_y Σ_x W_u W_v e^{izh} for z = `z` + j·`z_step`: `[wavelength][x window][y window]` in one row.
+    /// Returns Σ_y Σ_x W_u W_v e^{izh} for z = `z` + j·`z_step`: `[wavelength][x window][y window]` in one row.
     fn window_sums(
         &self,
         columns: &[Vec<Split>],
@@ -253,7 +253,7 @@ impl Split {
         Self { re: values.iter().map(|c| c.re).collect(), im: values.iter().map(|c| c.im).collect() }
     }
 
-    /// e^{iz(h − mid)} of a row of heights.
+    /// Returns e^{iz(h − mid)} of a row of heights.
     fn phases(heights: &[f64], mid: f64, z: f64) -> Self {
         let (im, re) = heights.iter().map(|h| (z * (h - mid)).sin_cos()).unzip();
         Self { re, im }
@@ -271,7 +271,7 @@ impl Split {
         }
     }
 
-    /// Σ self·other without conjugation, in four interleaved partial sums so that additions need not wait.
+    /// Returns Σ self·other without conjugation, in four interleaved partial sums so that additions need not wait.
     fn dot(&self, other: &Self) -> Complex64 {
         const LANES: usize = 4;
         let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);

@@ -1,11 +1,12 @@
-//! How much of the light a surface reflects: the factor R of the BRDF, at the half vector of the two directions.
+//! Share of the light that a surface reflects: the factor R of the BRDF, at the half vector of the two directions.
 //!
-//! Materials have Fresnel's equations for unpolarised light and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs
-//! (Born & Wolf, *Principles of Optics*, 1.5 and 14.2). A thin film on top adds up its echoes (Airy's sum; 1.6 there). The thesis takes
+//! Materials have Fresnel's equations and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs
+//! (Born & Wolf, *Principles of Optics*, 1.5 and 14.2). A thin film is the sum of its reflections (Airy's formula; 1.6 there). The thesis takes
 //! Schlick's approximation for one refractive index, which at 60° is a fifth below Fresnel's equations.
 
 use super::brdf::{schlick, schlick_from};
 use super::material::Material;
+use super::polarisation::Polarisation;
 use super::spectrum::{LONGEST, MIDDLE, SHORTEST, observer};
 use crate::error::{Error, Result};
 use crate::units;
@@ -15,17 +16,19 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::path::PathBuf;
 
-/// The factor R of a surface.
+/// Factor R of a surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Reflectance {
     /// Schlick's approximation for a dielectric of this refractive index at all wavelengths, as in the thesis.
     Schlick(f64),
-    /// Fresnel's equations for a material, below a thin film where there is one.
+    /// Fresnel's equations for a material below an optional thin film.
     Fresnel {
-        /// What the surface is made of.
+        /// Material of the surface.
         material: Material,
-        /// What lies on it, following the profile.
+        /// Film on the material, following the profile.
         film: Option<Film>,
+        /// Polarisation of the light.
+        polarisation: Polarisation,
     },
 }
 
@@ -39,7 +42,7 @@ pub enum DielectricLaw {
 }
 
 impl DielectricLaw {
-    /// Both.
+    /// All laws.
     pub const ALL: [Self; 2] = [Self::Fresnel, Self::Schlick];
 
     /// Returns the name on the command line.
@@ -66,7 +69,7 @@ pub const COLUMNS: usize = 256;
 /// See [`COLUMNS`].
 pub const ROWS: usize = 512;
 
-/// A transparent layer of even thickness that follows the profile. It changes the reflectance and not the shape: its thickness is small
+/// Transparent layer of constant thickness that follows the profile. It changes the reflectance and not the shape, because it is thin
 /// against the structure's period.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Film {
@@ -76,14 +79,14 @@ pub struct Film {
     pub index: f64,
 }
 
-/// Thickest film \[µm\]: what is thicker is no thin film beside structures of a few micrometres, and its fringes need more [`ROWS`].
+/// Thickest film \[µm\]. Thicker layers are not thin beside structures of a few micrometres, and their fringes need more [`ROWS`].
 const THICKEST: f64 = 2.0;
 
 impl Film {
-    /// A film in the words of the command line, as in `120nm:1.7`.
+    /// Parses a film of the command line, as in `120nm:1.7`.
     ///
     /// # Errors
-    /// Text that is none, a thickness beyond 2 µm, an index beyond 1 to 10.
+    /// Fails for other text, a thickness above 2 µm, or an index outside of 1 to 10.
     pub fn parse(text: &str) -> Result<Self> {
         let form = "give thickness and refractive index as in 120nm:1.7";
         let (length, index) =
@@ -113,12 +116,17 @@ impl fmt::Display for Reflectance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Schlick(ior) => write!(f, "refractive index {ior} by Schlick's approximation"),
-            Self::Fresnel { material, film } => {
+            Self::Fresnel { material, film, polarisation } => {
                 match material.constant_index() {
                     Some(ior) => write!(f, "refractive index {ior}")?,
                     None => write!(f, "{}", material.name)?,
                 }
-                film.map_or(Ok(()), |film| write!(f, " below a film of {film}"))
+                film.map_or(Ok(()), |film| write!(f, " below a film of {film}"))?;
+                match polarisation {
+                    Polarisation::None => Ok(()),
+                    Polarisation::Te => write!(f, ", TE"),
+                    Polarisation::Tm => write!(f, ", TM"),
+                }
             }
         }
     }
@@ -139,18 +147,42 @@ impl From<f64> for Reflectance {
 impl Reflectance {
     /// Returns Fresnel's equations for a transparent material of refractive index `ior` at all wavelengths.
     pub fn dielectric(ior: f64) -> Self {
-        Self::Fresnel { material: Material::constant(ior), film: None }
+        Self::of_material(Material::constant(ior), None)
     }
 
-    /// Returns the refractive index on which alone R depends: not that of a film, or of a material whose index changes with the wavelength.
-    pub fn index(&self) -> Option<f64> {
+    /// Returns Fresnel's equations for `material` below `film` in unpolarised light.
+    pub fn of_material(material: Material, film: Option<Film>) -> Self {
+        Self::Fresnel { material, film, polarisation: Polarisation::None }
+    }
+
+    /// Returns the reflectance of the same surface in light of this polarisation. Schlick's approximation has one for all.
+    pub fn polarised(self, polarisation: Polarisation) -> Self {
         match self {
-            Self::Schlick(ior) => Some(*ior),
-            Self::Fresnel { material, film } => material.constant_index().filter(|_| film.is_none()),
+            Self::Fresnel { material, film, .. } => Self::Fresnel { material, film, polarisation },
+            Self::Schlick(_) => self,
         }
     }
 
-    /// The file that the material is from, where it is from one.
+    /// Returns the polarisation of the light.
+    pub fn polarisation(&self) -> Polarisation {
+        match self {
+            Self::Schlick(_) => Polarisation::None,
+            Self::Fresnel { polarisation, .. } => *polarisation,
+        }
+    }
+
+    /// Returns the refractive index if R of unpolarised light depends on it alone: no film, no dispersion.
+    pub fn index(&self) -> Option<f64> {
+        match self {
+            Self::Schlick(ior) => Some(*ior),
+            Self::Fresnel { material, film: None, polarisation: Polarisation::None } => {
+                material.constant_index()
+            }
+            Self::Fresnel { .. } => None,
+        }
+    }
+
+    /// Returns the file that the material was read from; `None` for a built-in one.
     pub fn file(&self) -> Option<PathBuf> {
         match self {
             Self::Fresnel { material, .. } if material.constant_index().is_none() => {
@@ -160,17 +192,18 @@ impl Reflectance {
         }
     }
 
-    /// R at `wavelength` \[µm\] where the cosine between either direction and the half vector is `cos_half_angle`.
+    /// Returns R at `wavelength` \[µm\] and the cosine `cos_half_angle` between either direction and the half vector.
     pub fn at(&self, wavelength: f64, cos_half_angle: f64) -> f64 {
         match self {
             Self::Schlick(ior) => schlick(*ior, cos_half_angle),
-            Self::Fresnel { material, film } => {
-                fresnel(material.index(wavelength), *film, wavelength, cos_half_angle.clamp(0.0, 1.0))
+            Self::Fresnel { material, film, polarisation } => {
+                let index = material.index(wavelength);
+                polarisation.share(fresnel(index, *film, wavelength, cos_half_angle.clamp(0.0, 1.0)))
             }
         }
     }
 
-    /// Returns true if R depends on the wavelength, so that it belongs inside sums over wavelengths.
+    /// Returns true if R is tabulated over angle and wavelength and stands inside the sums over wavelengths.
     pub fn is_spectral(&self) -> bool {
         self.index().is_none()
     }
@@ -189,8 +222,8 @@ impl Reflectance {
         indices && self.law() == other.law() || self == other
     }
 
-    /// Returns the share of light that the surface keeps from the pigment below it. For spectral R it is Schlick's form from the mean R at
-    /// normal incidence that the eye sees. Nothing shines through a material that absorbs light within a few micrometres.
+    /// Returns the share of light that does not reach the pigment below the surface. For tabulated R it is Schlick's form from the luminous
+    /// mean of R at normal incidence. Materials that absorb light within a few micrometres hide the pigment.
     pub fn kept_from_pigment(&self, cos_half_angle: f64) -> f64 {
         match self.index() {
             Some(_) => self.at(MIDDLE, cos_half_angle),
@@ -198,7 +231,7 @@ impl Reflectance {
         }
     }
 
-    /// [`Self::kept_from_pigment`] at normal incidence.
+    /// Returns [`Self::kept_from_pigment`] at normal incidence.
     pub fn normal_of_pigment(&self) -> f64 {
         /// A material that is darker than 1/e at this depth hides the pigment \[µm\].
         const OPAQUE_WITHIN: f64 = 10.0;
@@ -211,7 +244,7 @@ impl Reflectance {
         }
     }
 
-    /// Mean of R at normal incidence over the visible range, weighted by the eye's sensitivity.
+    /// Returns the mean of R at normal incidence over the visible range, weighted by the eye's sensitivity.
     pub fn luminous_normal(&self) -> f64 {
         self.luminous(1.0)
     }
@@ -222,7 +255,7 @@ impl Reflectance {
         self.index().unwrap_or((1.0 + root) / (1.0 - root))
     }
 
-    /// The same at the cosine of a half angle.
+    /// Returns the same mean at the cosine of a half angle.
     fn luminous(&self, cos_half_angle: f64) -> f64 {
         /// Wavelengths of the mean, 10 nm apart.
         const COUNT: usize = 41;
@@ -234,8 +267,8 @@ impl Reflectance {
         sum / total
     }
 
-    /// R at [`ROWS`] equal steps of the wavenumber over the visible range and [`COLUMNS`] equal steps of the cosine over 0 … 1, ends included,
-    /// row by row: what shaders read between.
+    /// Returns R at [`ROWS`] equal steps of the wavenumber over the visible range and [`COLUMNS`] equal steps of the cosine over 0 … 1, ends
+    /// included, row by row. Shaders interpolate between them.
     pub fn table(&self) -> Vec<f32> {
         let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
         let step = |i: usize, count: usize| i as f64 / (count - 1) as f64;
@@ -248,8 +281,8 @@ impl Reflectance {
     }
 }
 
-/// R of unpolarised light from air onto a material of index `index`, below `film`.
-fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -> f64 {
+/// Returns R of both polarisations, TE and TM, for light from air onto a material of index `index`, below `film`.
+fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -> [f64; 2] {
     let sine2 = 1.0 - cosine * cosine;
     // n cos θ on the far side by Snell's law; the root with Im ≥ 0 decays.
     let depth = |n: Complex64| {
@@ -268,38 +301,37 @@ fn fresnel(index: Complex64, film: Option<Film>, wavelength: f64, cosine: f64) -
             std::array::from_fn(|i| (top[i] + bottom[i] * echo) / (1.0 + top[i] * bottom[i] * echo))
         }
     };
-    0.5 * amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>()
+    amplitudes.map(|amplitude| amplitude.norm_sqr())
 }
 
-/// Amplitudes that a step from one index to another reflects, perpendicular to the plane of incidence and in it. Each side is its index n and
-/// its n cos θ.
+/// Returns the amplitudes that an interface between two indices reflects, TE and TM. Each side is given by its index n and its n cos θ.
 fn step((n, q): (Complex64, Complex64), (m, p): (Complex64, Complex64)) -> [Complex64; 2] {
     let (a, b) = (m * m * q, n * n * p);
-    // Grazing light onto nothing at all has no step.
+    // Grazing light between equal indices has 0/0.
     let ratio =
         |up: Complex64, down: Complex64| if down == Complex64::ZERO { -Complex64::ONE } else { up / down };
     [ratio(q - p, q + p), ratio(a - b, a + b)]
 }
 
-/// The part of R that colour tables leave to the directions of a pixel, whatever the wavelength: the mean that the eye sees. A table holds R over it, which changes
-/// little with the angle, so that a footprint may read it at angles other than the pixel's.
+/// Luminous mean of R over the wavelengths, by the half angle. A colour table holds R divided by it, which changes little with the angle, so that a
+/// footprint may read the table at other angles; the shader multiplies by the mean at the pixel's angle.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(transparent)]
 pub struct MeanReflectance(Vec<f32>);
 
 impl MeanReflectance {
-    /// Equal steps of the cosine of the half angle over 0 … 1.
+    /// Number of equal steps of the cosine of the half angle over 0 … 1.
     pub const STEPS: usize = 512;
 
-    /// Of what reflects by `reflectance`.
+    /// Returns the mean of `reflectance`.
     pub fn new(reflectance: &Reflectance) -> Self {
-        /// What reflects nothing at an angle would leave nothing to divide by.
+        /// Smallest mean, because tables divide by it.
         const LEAST: f64 = 1e-3;
         let at = |i: usize| reflectance.luminous(i as f64 / Self::STEPS as f64).max(LEAST) as f32;
         Self((0..=Self::STEPS).map(at).collect())
     }
 
-    /// Between two steps.
+    /// Interpolates the mean at the cosine of a half angle.
     pub fn at(&self, cos_half_angle: f64) -> f64 {
         let place = cos_half_angle.clamp(0.0, 1.0) * Self::STEPS as f64;
         let left = (place as usize).min(Self::STEPS - 1);
@@ -307,7 +339,7 @@ impl MeanReflectance {
         a + (place - left as f64) * (b - a)
     }
 
-    /// Whether it can have been made by [`Self::new`].
+    /// Returns true if the values can have been made by [`Self::new`].
     pub fn is_sound(&self) -> bool {
         self.0.len() == Self::STEPS + 1 && self.0.iter().all(|r| *r > 0.0 && *r <= 1.001)
     }
@@ -318,11 +350,11 @@ mod tests {
     use super::*;
 
     fn of(name: &str) -> Reflectance {
-        Reflectance::Fresnel { material: Material::from_name_or_file(name).unwrap(), film: None }
+        Reflectance::of_material(Material::from_name_or_file(name).unwrap(), None)
     }
 
     fn constant(n: f64, film: Option<Film>) -> Reflectance {
-        Reflectance::Fresnel { material: Material::constant(n), film }
+        Reflectance::of_material(Material::constant(n), film)
     }
 
     #[test]
@@ -340,11 +372,29 @@ mod tests {
     }
 
     #[test]
-    fn at_brewster_s_angle_only_one_polarisation_is_reflected() {
+    fn at_brewster_s_angle_only_te_is_reflected() {
         let n = 1.5f64;
         let s = (1.0 - n * n) / (1.0 + n * n);
-        let found = constant(n, None).at(0.55, n.atan().cos());
-        assert!((found - 0.5 * s * s).abs() < 1e-12);
+        let plain = constant(n, None);
+        let at = |reflectance: &Reflectance| reflectance.at(0.55, n.atan().cos());
+        assert!((at(&plain) - 0.5 * s * s).abs() < 1e-12);
+        assert!((at(&plain.clone().polarised(Polarisation::Te)) - s * s).abs() < 1e-12);
+        assert!(at(&plain.polarised(Polarisation::Tm)) < 1e-24);
+    }
+
+    #[test]
+    fn unpolarised_light_has_the_mean_of_both_polarisations() {
+        for plain in
+            [constant(1.5, None), of("gold"), constant(2.0, Some(Film { thickness: 0.2, index: 1.4 }))]
+        {
+            let [te, tm] = [Polarisation::Te, Polarisation::Tm].map(|p| plain.clone().polarised(p));
+            assert!(te.is_spectral() && te.index().is_none());
+            for cosine in [0.0, 0.2, 0.7, 1.0] {
+                let [plain, te, tm] = [&plain, &te, &tm].map(|r| r.at(0.5, cosine));
+                assert!((plain - 0.5 * (te + tm)).abs() < 1e-12 && te >= tm - 1e-12, "{te} {tm}");
+            }
+            assert!((te.at(0.5, 1.0) - tm.at(0.5, 1.0)).abs() < 1e-12);
+        }
     }
 
     #[test]
@@ -388,7 +438,7 @@ mod tests {
         let expected = ((b - e) / (b + e)).norm_sqr();
         let found = constant(n, film(thickness, index)).at(wavelength, 1.0);
         assert!((found - expected).abs() < 1e-12, "{found} {expected}");
-        // A film of the material itself is no film.
+        // A film of the material itself changes nothing.
         let same = constant(n, film(0.3, n));
         assert!((same.at(0.5, 0.3) - constant(n, None).at(0.5, 0.3)).abs() < 1e-12);
     }
@@ -400,7 +450,7 @@ mod tests {
             for i in 0..2000 {
                 let share = |k: u32| (f64::from(i) * 0.618_034f64.powi(k as i32)).fract();
                 let film = Film { thickness: 2.0 * share(1), index: 1.0 + 3.0 * share(2) };
-                let reflectance = Reflectance::Fresnel { material: material.clone(), film: Some(film) };
+                let reflectance = Reflectance::of_material(material.clone(), Some(film));
                 let r = reflectance.at(0.38 + 0.4 * share(3), share(4));
                 assert!((0.0..=1.0 + 1e-12).contains(&r), "{name}, {film}: {r}");
             }
@@ -442,8 +492,7 @@ mod tests {
             ("silver", film(0.3, 1.5), 2e-3),
             ("silicon", None, 1e-4),
         ] {
-            let reflectance =
-                Reflectance::Fresnel { material: Material::from_name_or_file(name).unwrap(), film };
+            let reflectance = Reflectance::of_material(Material::from_name_or_file(name).unwrap(), film);
             let table = reflectance.table();
             let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
             let (mut squares, mut count) = (0.0f64, 0.0);

@@ -1,26 +1,26 @@
-//! Which directions the samples of a surface hold.
+//! Directions within the band limit of a surface's samples.
 //!
-//! Samples dx apart know nothing above the frequency 1/(2 dx), and a pair of directions asks for |u|/λ and |v|/λ, each at most 2/λ.
-//! Beyond, the surface is taken as dark, never as the periodic copy that a discrete transform has there.
+//! Samples dx apart hold frequencies up to 1/(2 dx), and a pair of directions needs |u|/λ and |v|/λ, each at most 2/λ. Beyond the band
+//! limit the surface is taken as dark, never as the periodic copy that a discrete transform has there.
 
-/// A spacing that was rounded to a few digits is as good as the one that it stands for.
+/// Tolerance for a spacing that was rounded to a few digits.
 const ROUNDED: f64 = 1.001;
 
-/// What samples that are too far apart hold.
+/// Limit of samples that are too far apart for some directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// `u` or `v`: the axis that is sampled more coarsely.
+    /// `u` or `v`: the axis with the coarser sampling.
     pub axis: char,
-    /// Distance between its samples \[µm\].
+    /// Distance between the samples of that axis \[µm\].
     pub spacing: f64,
-    /// Largest |u| or |v| that they hold at the shortest wavelength, less than 2.
+    /// Largest |u| or |v| within the band limit at the shortest wavelength, less than 2.
     pub largest: f64,
-    /// Distance that would hold everything \[µm\].
+    /// Distance between samples that would suffice for all directions \[µm\].
     pub needed: f64,
 }
 
-/// What samples `pixel_size` \[µm\] apart along x and y hold at wavelengths from `shortest` \[µm\]; `None` where they hold every pair
-/// of directions.
+/// Returns the limit of samples `pixel_size` \[µm\] apart along x and y at wavelengths from `shortest` \[µm\]; `None` if every pair of
+/// directions is within it.
 pub fn limit(pixel_size: [f64; 2], shortest: f64) -> Option<Limit> {
     let [dx, dy] = pixel_size;
     let (axis, spacing) = if dy > dx { ('v', dy) } else { ('u', dx) };

@@ -17,10 +17,10 @@ pub const MIDDLE: f64 = 0.55;
 /// neighbours.
 const RESOLUTION: f64 = 0.5;
 const NM_PER_UM: f64 = 1e3;
-/// Where the blue colour function z̄ of the CIE 1931 observer peaks \[µm\], rounded: coherence blurs directions least there.
+/// Peak of the blue colour function z̄ of the CIE 1931 observer \[µm\], rounded: coherence blurs directions least there.
 pub const BLUE: f64 = 0.45;
 
-/// A function of wavelength given at increasing wavelengths \[nm\], linear between them and 0 outside.
+/// Function of wavelength, tabulated at increasing wavelengths \[nm\], linear between them and 0 outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpectralTable<const N: usize> {
     wavelengths: Vec<f64>,
@@ -59,7 +59,7 @@ impl<const N: usize> SpectralTable<N> {
             let record =
                 record.map_err(|e| refuse(e.position().map_or(1, csv::Position::line), &e.to_string()))?;
             let cells: Vec<&str> = record.iter().collect();
-            // A line of names has no number; one that has some is a row that is damaged.
+            // A line of names has no number; a line with some numbers is a damaged row.
             if index == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err())
                 || cells.iter().all(|cell| cell.is_empty())
             {
@@ -89,22 +89,22 @@ impl<const N: usize> SpectralTable<N> {
         Ok(table)
     }
 
-    /// First and last wavelength \[nm\].
+    /// Returns the first and last wavelength \[nm\].
     pub fn ends(&self) -> [f64; 2] {
         [self.wavelengths[0], self.wavelengths[self.wavelengths.len() - 1]]
     }
 
-    /// Whether all values are as `sane` says.
+    /// Returns true if `sane` is true for all values.
     pub fn all(&self, sane: impl FnMut([f64; N]) -> bool) -> bool {
         self.values.iter().copied().all(sane)
     }
 
-    /// The table of `of` every value.
+    /// Returns the table with `of` applied to every value.
     pub fn map<const M: usize>(self, of: impl FnMut([f64; N]) -> [f64; M]) -> SpectralTable<M> {
         SpectralTable { wavelengths: self.wavelengths, values: self.values.into_iter().map(of).collect() }
     }
 
-    /// The values at `wavelength` \[nm\].
+    /// Returns the values at `wavelength` \[nm\].
     pub fn at(&self, wavelength: f64) -> [f64; N] {
         let above = self.wavelengths.partition_point(|&x| x < wavelength);
         if above == self.wavelengths.len() || (above == 0 && self.wavelengths[0] > wavelength) {
@@ -151,7 +151,7 @@ impl SpectralTable<1> {
         // A hat at an end of the range has half the area.
         powers[0] *= 2.0;
         powers[count - 1] *= 2.0;
-        // The places given, and one beyond them on either side: hats reach there.
+        // One place beyond the given ones on either side: hats reach there.
         let place = |x: f64| ((x - first) / step).clamp(0.0, count as f64 - 1.0);
         let [given, end] = self.ends().map(place);
         let begin = (given.floor() as usize).saturating_sub(1).min(count - 2);
@@ -161,23 +161,23 @@ impl SpectralTable<1> {
     }
 }
 
-/// Parses a table that is part of the program; `assets/spectra` is checked by this module's tests.
+/// Parses a built-in table; `assets/spectra` is checked by this module's tests.
 fn built_in<const N: usize>(text: &str) -> SpectralTable<N> {
     SpectralTable::parse(text)
         .unwrap_or(SpectralTable { wavelengths: vec![0.0, 1.0], values: vec![[0.0; N]; 2] })
 }
 
-/// x̄, ȳ, z̄ of the CIE 1931 2° standard observer at `wavelength` \[nm\].
+/// Returns x̄, ȳ, z̄ of the CIE 1931 2° standard observer at `wavelength` \[nm\].
 pub fn observer(wavelength: f64) -> DVec3 {
     static TABLE: OnceLock<SpectralTable<3>> = OnceLock::new();
     let table = TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/cie-1931-2deg.csv")));
     DVec3::from_array(table.at(wavelength))
 }
 
-/// Names of the illuminants that are part of the program.
+/// Names of the built-in illuminants.
 pub const BUILT_IN: [&str; 4] = ["d65", "a", "e", "led"];
 
-/// The spectral power of the light, up to a factor.
+/// Spectral power of the light, up to a factor.
 #[derive(Clone, Debug, PartialEq, Default, Serialize)]
 pub enum Illuminant {
     /// CIE D65, daylight, tabulated.
@@ -194,7 +194,7 @@ pub enum Illuminant {
 }
 
 impl Illuminant {
-    /// `d65`, `a`, `e`, `led`, or a CSV file of wavelength \[nm\] and power.
+    /// Returns the illuminant `d65`, `a`, `e`, `led`, or that of a CSV file of wavelength \[nm\] and power.
     ///
     /// # Errors
     /// A file that cannot be read or parsed, or that holds no light in 380–780 nm.
@@ -203,19 +203,19 @@ impl Illuminant {
         Self::built_in(name).map_or_else(|| Self::from_file(Path::new(name)), Ok)
     }
 
-    /// One of [`BUILT_IN`], by its name.
+    /// Returns one of [`BUILT_IN`], by its name.
     pub fn built_in(name: impl AsRef<OsStr>) -> Option<Self> {
         let name = name.as_ref();
         let known = [Self::D65, Self::A, Self::E, Self::Led];
         BUILT_IN.into_iter().zip(known).find(|(own, _)| name.eq_ignore_ascii_case(own)).map(|(_, own)| own)
     }
 
-    /// Whether [`Self::from_name_or_file`] takes `name` for one of its own.
+    /// Returns true if `name` is that of a built-in illuminant.
     pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
         Self::built_in(name).is_some()
     }
 
-    /// First and last wavelength \[nm\] of a user's table that leaves out a part of what is visible.
+    /// Returns the first and last wavelength \[nm\] of a user's table that leaves out a part of the visible range.
     pub fn missing_light(&self) -> Option<[f64; 2]> {
         let Self::Table(table) = self else { return None };
         let ends = [*table.wavelengths.first()?, *table.wavelengths.last()?];
@@ -230,10 +230,10 @@ impl Illuminant {
         Self::from_text(&text).map_err(|e| e.at(path.display()))
     }
 
-    /// The illuminant in the text of a CSV file of wavelength \[nm\] and power.
+    /// Reads the illuminant in the text of a CSV file of wavelength \[nm\] and power.
     ///
     /// # Errors
-    /// As [`SpectralTable::parse`]; a negative power; no light in 380–780 nm, or more than a number holds.
+    /// Those of [`SpectralTable::parse`]; a negative power; no light in 380–780 nm, or more than a number holds.
     pub fn from_text(text: &str) -> Result<Self> {
         let table = SpectralTable::<1>::parse(text)?;
         if table.values.iter().any(|v| v[0] < 0.0) {
@@ -254,7 +254,7 @@ impl Illuminant {
         }
     }
 
-    /// Spectral power at `wavelength` \[nm\].
+    /// Returns the spectral power at `wavelength` \[nm\].
     pub fn power(&self, wavelength: f64) -> f64 {
         match self {
             Self::D65 => {
@@ -275,18 +275,18 @@ impl Illuminant {
         }
     }
 
-    /// ∫ S ȳ dλ \[nm\], the normalisation of every colour.
+    /// Returns ∫ S ȳ dλ \[nm\], the normalisation of every colour.
     pub fn luminance(&self) -> f64 {
         // Half-nanometre midpoints: exact to 1e-6 on tables that are linear between whole nanometres.
         (0..800).map(|i| 380.25 + 0.5 * f64::from(i)).map(|x| 0.5 * self.power(x) * observer(x).y).sum()
     }
 
-    /// S (x̄, ȳ, z̄) / ∫ S ȳ dλ at `wavelength` \[nm\], in nm⁻¹, given the normalisation from [`Self::luminance`].
+    /// Returns S (x̄, ȳ, z̄) / ∫ S ȳ dλ at `wavelength` \[nm\], in nm⁻¹, given the normalisation from [`Self::luminance`].
     pub fn weight(&self, wavelength: f64, luminance: f64) -> DVec3 {
         observer(wavelength) * (self.power(wavelength) / luminance)
     }
 
-    /// XYZ of a white diffuse surface in this light, whose Y is 1.
+    /// Returns XYZ of a white diffuse surface in this light, whose Y is 1.
     pub fn white(&self) -> DVec3 {
         let luminance = self.luminance();
         // At the wavelengths of the luminance.

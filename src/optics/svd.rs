@@ -1,11 +1,11 @@
-//! The singular value decomposition of matrices of low numerical rank, such as sampled kernels.
+//! Singular value decomposition of matrices of low numerical rank, such as sampled kernels.
 //!
-//! A = Q R by Gram–Schmidt orthogonalisation with pivoting, until what is left of every column is rounding (Golub & Van Loan, *Matrix
+//! A = Q R by Gram–Schmidt orthogonalisation with pivoting, until the remainder of every column is rounding (Golub & Van Loan, *Matrix
 //! Computations*, 5.4.2); then one-sided Jacobi rotations (Hestenes 1958; ibid. 8.6.3) of the few rows of R.
 
 use rustfft::num_complex::Complex64;
 
-/// A = U diag(s) V*, the singular values falling.
+/// Decomposition A = U diag(s) V*, with decreasing singular values.
 #[derive(Clone, Debug)]
 pub struct Svd {
     /// The columns of U, one for each singular value.
@@ -16,18 +16,18 @@ pub struct Svd {
     pub v: Vec<Vec<Complex64>>,
 }
 
-/// Columns whose remainder is below this part of the largest column are rounding.
+/// Relative remainder of a column, compared to the largest column, below which it is rounding.
 const ROUNDING: f64 = 1e-15;
-/// Most sweeps of rotations; they converge quadratically within a dozen.
+/// Largest number of sweeps of rotations; they converge quadratically within a dozen.
 const SWEEPS: usize = 60;
-/// Cosine of two vectors that count as orthogonal: what rounding leaves in the product of vectors of 10⁴ numbers. Rotations by less
-/// would never end, and each adds its own rounding.
+/// Cosine below which two vectors count as orthogonal: the rounding in a product of vectors of 10⁴ numbers. Smaller rotations would never
+/// end, and each would add rounding.
 const ORTHOGONAL: f64 = 1e-14;
-/// A column that loses this part of its length to the directions before it is rounding.
+/// Remaining length of a unit vector after the second pass against the former directions, below which it is rounding.
 const LOST: f64 = 0.5;
 
 impl Svd {
-    /// Of the matrix with these `columns`, all of one length.
+    /// Decomposes the matrix with these `columns`, all of one length.
     pub fn of(mut columns: Vec<Vec<Complex64>>) -> Self {
         let width = columns.len();
         let mut q: Vec<Vec<Complex64>> = Vec::new();
@@ -42,7 +42,7 @@ impl Svd {
                 break;
             }
             let mut direction: Vec<Complex64> = columns[pivot].iter().map(|x| x / length).collect();
-            // Once more against those before, which rounding has brought back.
+            // Second pass against the former directions, parts of which rounding has brought back.
             for other in &q {
                 let part = dot(other, &direction);
                 add(&mut direction, -part, other);
@@ -107,7 +107,7 @@ fn orthogonalise(columns: &mut [Vec<Complex64>], along: &mut [Vec<Complex64>]) {
     }
 }
 
-/// Columns i and j to c·i − s·j′ and s·i + c·j′ with j′ = j/`turn`.
+/// Replaces columns i and j by c·i − s·j′ and s·i + c·j′ with j′ = j/`turn`.
 fn rotate(columns: &mut [Vec<Complex64>], (i, j): (usize, usize), c: f64, s: f64, turn: Complex64) {
     let (head, tail) = columns.split_at_mut(j);
     for (x, y) in head[i].iter_mut().zip(&mut tail[0]) {
@@ -116,7 +116,7 @@ fn rotate(columns: &mut [Vec<Complex64>], (i, j): (usize, usize), c: f64, s: f64
     }
 }
 
-/// ⟨a, b⟩ = Σ a* b.
+/// Returns ⟨a, b⟩ = Σ a* b.
 fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     a.iter().zip(b).map(|(a, b)| a.conj() * b).sum()
 }
@@ -137,7 +137,7 @@ fn norm(a: &[Complex64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A smooth kernel, whose singular values fall beyond rounding, and one whose do not.
+    /// Returns a smooth kernel, whose singular values fall beyond rounding, and one whose do not.
     fn matrices() -> Vec<Vec<Vec<Complex64>>> {
         let entry = |i: usize, j: usize| Complex64::cis(0.02 * (i * j) as f64 / (1.0 + 0.01 * j as f64));
         let mut smooth: Vec<Vec<Complex64>> =

@@ -21,31 +21,31 @@ pub struct Accumulation {
     pipeline: Pipeline,
     radiance: Descriptors,
     display: DisplayPass,
-    /// Sum of the radiance of samples; alpha: how many of them cover the pixel. Readable by shaders between passes.
+    /// Sum of the radiance of samples; alpha: number of them that cover the pixel. Readable by shaders between passes.
     pub sum: Image,
-    // Where there are groups.
+    // Present if passes are added in groups.
     group: Option<Group>,
     sampler: Sampler,
 }
 
-/// The sum of what was drawn of a group of passes that are added together.
+/// Sum of the passes of the current group, which are added together.
 struct Group {
     image: Image,
     descriptors: Descriptors,
 }
 
-/// What is added of a picture.
+/// Addition of one pass to a sum.
 #[derive(Clone, Copy, Debug)]
 pub struct Addition {
-    /// What the samples of a pixel and of those around it count for the pixel.
+    /// Weights of a sample for its pixel and the eight neighbours.
     pub weights: PixelWeights,
-    /// Of the picture \[pixels\].
+    /// Size of the picture \[pixels\].
     pub size: [u32; 2],
     /// Number of the pass in its group, from 0.
     pub pass: usize,
     /// Passes of the group, which come into the sum together.
     pub passes: usize,
-    /// Whether the group begins a new sum.
+    /// True if the group begins a new sum.
     pub first: bool,
 }
 
@@ -68,10 +68,10 @@ impl WeightsBlock {
 }
 
 impl Accumulation {
-    /// For samples that are drawn into `target`.
+    /// Makes an empty sum for samples that are drawn into `target`.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, target: &Target) -> Result<Self> {
         let radiance = set(device)?;
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
@@ -89,10 +89,10 @@ impl Accumulation {
         Ok(own)
     }
 
-    /// Takes samples of other sizes from now on. The device must not be using the passes.
+    /// Sets the size of the following samples to that of `target`. The device must not be using the passes.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn resize(&mut self, device: &Arc<Device>, target: &Target) -> Result<()> {
         if target.size() != self.sum.size() {
             self.group = None;
@@ -107,10 +107,10 @@ impl Accumulation {
         self.display.read_from(&self.sum);
     }
 
-    /// Makes room for groups of so many passes.
+    /// Allocates the image for groups of `passes` passes.
     ///
     /// # Errors
-    /// Where the device has none.
+    /// Fails if the device is out of memory.
     pub fn make_room(&mut self, device: &Arc<Device>, passes: usize) -> Result<()> {
         if passes > 1 && self.group.is_none() {
             let group = Group { image: sum(device, self.sum.size())?, descriptors: set(device)? };
@@ -120,8 +120,8 @@ impl Accumulation {
         Ok(())
     }
 
-    /// Records the addition of `target.radiance` (a colour attachment until now, readable by shaders from then on), for which [`Self::make_room`] has made
-    /// room. A group that is given up leaves the sum as it was.
+    /// Records the addition of `target.radiance` (a colour attachment before, readable by shaders afterwards). Groups
+    /// of several passes need [`Self::make_room`] first. An abandoned group leaves the sum unchanged.
     pub fn record(&self, record: &Recorder<'_>, target: &Target, added: Addition) {
         let Addition { weights, size, pass, passes, first } = added;
         record.images(&[(&target.radiance, Access::ColorAttachment, Access::ShaderRead)]);
@@ -138,7 +138,8 @@ impl Accumulation {
         }
     }
 
-    /// Adds what `from` has, `into` an image, of which it is the `first` or which shaders read.
+    /// Adds the texture in `from` to the image `into`. The `first` addition clears the image; before later ones it is
+    /// readable by shaders.
     fn add(
         &self,
         record: &Recorder<'_>,
@@ -161,13 +162,13 @@ impl Accumulation {
         record.images(&[(into, Access::ColorAttachment, Access::ShaderRead)]);
     }
 
-    /// Records the display of the mean of `samples` samples into `into`, which it leaves a colour attachment.
+    /// Records the display of the mean of `samples` samples into `into`, which becomes a colour attachment.
     pub fn record_display(&self, record: &Recorder<'_>, into: &Image, samples: u32, shown: Shown) {
         self.display.record_mean(record, into, samples, shown);
     }
 }
 
-/// Of what is added.
+/// Makes the descriptor set of a radiance texture to add.
 fn set(device: &Arc<Device>) -> Result<Descriptors> {
     Descriptors::new(device, "accumulation set", &[Binding::texture(0)])
 }

@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 /// Evaluates a source on the device.
 ///
-/// Of a grating the device gives the response of one period, which is smooth; the periodic factor is multiplied here in f64, where it is
-/// stable at the orders however sharp they are.
+/// For a grating the device evaluates the response of one period, which is smooth. The periodic factor is multiplied
+/// here in f64, which resolves orders of any sharpness.
 pub struct DeviceBrdf {
     evaluator: Evaluator,
     grating: Option<PeriodicFactor>,
@@ -25,7 +25,7 @@ impl DeviceBrdf {
     /// Uploads `source` for `shading`.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, source: &Source, shading: &Shading) -> Result<Self> {
         let grating = match source {
             Source::Grating(grating) => Some(PeriodicFactor {
@@ -60,12 +60,12 @@ impl Brdf for DeviceBrdf {
     }
 
     fn batch(&self) -> usize {
-        // A colour through a grating is many responses.
+        // A colour through a grating needs many responses.
         if self.grating.is_some() { AT_ONCE / 64 } else { AT_ONCE }
     }
 }
 
-/// The copies of a period, and the colours that are summed through them.
+/// Periodic factor of the copies of a period, and the colour functions summed through it.
 struct PeriodicFactor {
     repeats: Repeats,
     colours: ColourFunctions,
@@ -73,7 +73,8 @@ struct PeriodicFactor {
 }
 
 impl PeriodicFactor {
-    /// f·cos θ_i \[sr⁻¹\] of every pair: three times the value at `wavelength` \[µm\], or the XYZ of the colour.
+    /// Returns f·cos θ_i \[sr⁻¹\] of every pair: the value at `wavelength` \[µm\] in all three components, or the XYZ
+    /// of the colour.
     fn cosine_weighted(
         &self,
         evaluator: &mut Evaluator,
@@ -95,7 +96,7 @@ impl PeriodicFactor {
         Ok(sums)
     }
 
-    /// Returns the wavelengths whose responses make up the answer for `pair`.
+    /// Returns the wavelengths whose responses make up the value of `pair`.
     fn wavelengths(&self, pair: &Pair, wavelength: Option<f64>) -> Result<Wavelengths> {
         if !pair.above_horizon() {
             return Ok(Wavelengths { wavenumbers: Vec::new(), weights: Vec::new() });
@@ -111,7 +112,7 @@ impl PeriodicFactor {
     }
 }
 
-/// Adds what is `asked` for to `sums`, and forgets it.
+/// Evaluates the `asked` queries, adds them to `sums` and clears the list.
 fn add(evaluator: &mut Evaluator, asked: &mut Vec<(Query, usize, DVec3)>, sums: &mut [DVec3]) -> Result<()> {
     for part in asked.chunks(AT_ONCE) {
         let single: Vec<Query> = part.iter().map(|(query, ..)| *query).collect();

@@ -1,4 +1,4 @@
-//! A mesh on the device, and how shaders read its vertices.
+//! Mesh on the device, and the vertex layout for shaders.
 
 use super::upload;
 use crate::error::{Error, Result};
@@ -21,7 +21,7 @@ impl DeviceMesh {
     /// Uploads `mesh`.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, mesh: &Mesh) -> Result<Self> {
         let count = u32::try_from(mesh.indices().len())
             .map_err(|_| Error::failed("the mesh has too many triangles", "simplify it first"))?;
@@ -44,7 +44,7 @@ impl DeviceMesh {
 }
 
 impl DeviceMesh {
-    /// Draws all of it with the bound pipeline, which takes [`attributes`].
+    /// Draws all triangles with the bound pipeline, whose vertex input is [`attributes`].
     pub(super) fn draw(&self, draw: &Recorder<'_>) {
         draw.draw_indexed(&self.vertices, &self.indices, self.count);
     }

@@ -1,4 +1,4 @@
-//! Answers to single directions, from the same source that frames shade from.
+//! Evaluation of single directions by the source that frames are shaded from.
 
 use super::shading::Shading;
 use super::source::part::Part;
@@ -17,17 +17,17 @@ use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// Queries of one submission: a software device answers as many in a few seconds.
+/// Queries of one submission; a software device evaluates this many in a few seconds.
 pub const AT_ONCE: usize = 16_384;
 /// `local_size_x` of `eval.comp`.
 const GROUP: usize = 64;
 
-/// What is asked of a pair of directions.
+/// Query of the BRDF at a pair of directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query {
     /// The directions.
     pub pair: Pair,
-    /// Wavelength \[µm\]; `None` asks for the colour.
+    /// Wavelength \[µm\]; `None` for the colour.
     pub wavelength: Option<f64>,
 }
 
@@ -55,7 +55,7 @@ mod binding {
     pub const ANSWERS: u32 = 1;
 }
 
-/// A set of two storage buffers for compute stages: what is asked and what is answered.
+/// Makes a set of two storage buffers for the compute stage: queries and answers.
 pub(super) fn queries_and_answers(
     device: &Arc<Device>,
     queries: &Buffer,
@@ -75,7 +75,7 @@ pub(super) fn queries_and_answers(
 
 /// Evaluates queries on the device.
 pub struct Evaluator {
-    asker: Asker,
+    pass: QueryPass,
     source: BoundSource,
 }
 
@@ -83,31 +83,32 @@ impl Evaluator {
     /// Uploads `source` and the small tables for `shading`.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, source: &Source, shading: &Shading) -> Result<Self> {
         let source = source.bind(device, shading)?;
-        Ok(Self { asker: Asker::new(device, &source)?, source })
+        Ok(Self { pass: QueryPass::new(device, &source)?, source })
     }
 
-    /// f·cos θ_i \[sr⁻¹\] of every query, in order: at a wavelength in the first component, as XYZ otherwise.
+    /// Returns f·cos θ_i \[sr⁻¹\] of every query, in order: the value at the wavelength in the first component, or the
+    /// XYZ of the colour.
     ///
     /// # Errors
-    /// Where the device is lost, and where single wavelengths are asked of a source of colours.
+    /// Fails if the device is lost, or if a source of colours is asked for a single wavelength.
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        self.asker.ask(&self.source, queries)
+        self.pass.ask(&self.source, queries)
     }
 
-    /// The same of one period of a grating, without the periodic factor.
+    /// Returns the same of one period of a grating, without the periodic factor.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub(super) fn of_one_period(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        self.asker.submit(&self.source, queries)
+        self.pass.submit(&self.source, queries)
     }
 }
 
-/// Asks queries of a source that someone else holds.
-pub struct Asker {
+/// Evaluates queries of a source that is owned elsewhere.
+pub struct QueryPass {
     commands: Commands,
     pipeline: Pipeline,
     descriptors: Descriptors,
@@ -115,11 +116,11 @@ pub struct Asker {
     answers: Buffer,
 }
 
-impl Asker {
-    /// For `source` and for no other.
+impl QueryPass {
+    /// Makes an evaluator of `source`; it must not be used with another source.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, source: &BoundSource) -> Result<Self> {
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = |one: usize| (AT_ONCE * one) as u64;
@@ -134,10 +135,10 @@ impl Asker {
         Ok(Self { commands, pipeline, descriptors, queries, answers })
     }
 
-    /// As [`Evaluator::cosine_weighted`].
+    /// Returns f·cos θ_i as [`Evaluator::cosine_weighted`] does.
     ///
     /// # Errors
-    /// As [`Evaluator::cosine_weighted`].
+    /// Same as [`Evaluator::cosine_weighted`].
     pub fn ask(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
         if !source.spectral && queries.iter().any(|query| query.wavelength.is_some()) {
             return Err(Error::failed(
@@ -148,7 +149,7 @@ impl Asker {
         self.submit(source, queries)
     }
 
-    /// As [`Asker::ask`], whatever is asked.
+    /// Evaluates `queries` without checking the wavelengths.
     fn submit(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
         let mut all = Vec::with_capacity(queries.len());
         for some in queries.chunks(AT_ONCE) {

@@ -1,32 +1,34 @@
-//! The exposure that suits a picture.
+//! Automatic exposure of a picture.
 
 use crate::optics::color::LUMINANCE;
 use glam::DVec3;
 
 /// Least and largest exposure \[stops\].
 pub const EXPOSURES: (f64, f64) = (-40.0, 40.0);
-/// What the mean of a picture is displayed as: middle grey, linear.
+/// Displayed value of the log-average luminance: middle grey, linear.
 const MIDDLE_GREY: f64 = 0.18;
-/// Pixels that are darker than this part of the brightest one do not count. What is black would pull the mean of logarithms anywhere.
+/// Pixels darker than this fraction of the brightest one are ignored: black would pull the log-average down without
+/// bound.
 const DARKEST: f64 = 1e-6;
-/// Exposures are rounded to so many parts of a stop.
+/// Steps per stop to which exposures are rounded.
 const PARTS: f64 = 10.0;
 
-/// The exposure \[stops\] at which the log-average luminance of `radiance` is displayed as middle grey (Reinhard et al., *Photographic Tone Reproduction
-/// for Digital Images*, 2002), over the pixels that are covered and not black; within [`EXPOSURES`], to a tenth of a stop. `radiance` is as
-/// [`super::picture::Picture::radiance`]. `None` where nothing in it is lit.
+/// Returns the exposure \[stops\] that displays the log-average luminance of `radiance` as middle grey (Reinhard et
+/// al., *Photographic Tone Reproduction for Digital Images*, 2002), averaged over the covered pixels that are not
+/// black. The result lies within [`EXPOSURES`], in tenths of a stop. `radiance` is premultiplied as in
+/// [`super::renderer::Picture::radiance`]. `None` if no pixel is lit.
 pub fn automatic(radiance: &[[f32; 4]]) -> Option<f64> {
     let luminances: Vec<f64> = radiance.iter().filter_map(luminance).collect();
     let brightest = luminances.iter().copied().fold(0.0, f64::max);
     let logarithms = luminances.iter().filter(|&&y| y > DARKEST * brightest).map(|y| y.log2());
     let (sum, count) = logarithms.fold((0.0, 0.0), |(sum, count), y| (sum + y, count + 1.0));
     let stops = MIDDLE_GREY.log2() - sum / count;
-    // Without a pixel it is 0/0. Adding 0 makes −0 a 0.
+    // Without a pixel the mean is 0/0. Adding 0 turns −0 into 0.
     let rounded = (stops.clamp(EXPOSURES.0, EXPOSURES.1) * PARTS).round() / PARTS + 0.0;
     rounded.is_finite().then_some(rounded)
 }
 
-/// The luminance of what covers a pixel, where it is lit.
+/// Returns the luminance of a pixel without its uncovered part; `None` if it is not lit.
 fn luminance(pixel: &[f32; 4]) -> Option<f64> {
     let [r, g, b, coverage] = pixel.map(f64::from);
     let luminance = LUMINANCE.dot(DVec3::new(r, g, b)) / coverage;
@@ -50,7 +52,7 @@ mod tests {
         // log2(0.18) = −2.474.
         assert_eq!(automatic(&[grey(1.0)]), Some(-2.5));
         assert_eq!(automatic(&[grey(0.5)]), Some(-1.5));
-        // Half of a pixel, premultiplied, is as bright as a whole one.
+        // A half-covered pixel, premultiplied, is as bright as a whole one.
         assert_eq!(automatic(&[[0.045, 0.045, 0.045, 0.5]]), Some(1.0));
         assert_eq!(automatic(&[grey(0.18 * 1.001)]).map(f64::is_sign_positive), Some(true));
     }

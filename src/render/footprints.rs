@@ -1,11 +1,12 @@
-//! How much a pixel covers: of (u, v), which decides how fine a table has to be, and of the surface, which decides whether the mean over
-//! coherence areas is what is seen.
+//! Sizes of pixel footprints: in (u, v), which decides how fine a table has to be, and on the surface, which decides
+//! if a pixel sees the mean over coherence areas.
 
 use super::directions::Directions;
 use super::frame::View;
 use super::light_passes::LightPass;
-use super::picture::Painter;
+use super::object::{ObjectData, ObjectSources};
 use super::pigment::Pigment;
+use super::renderer::Renderer;
 use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
@@ -16,18 +17,18 @@ use crate::scene::camera::pixel_in_clip;
 use crate::vk::device::Device;
 use std::sync::Arc;
 
-/// The semi-axes of the footprints of a frame: singular values of the Jacobian of (u, v), per pixel, over all lights. A pixel filter of
-/// standard deviation s \[pixels\] becomes an ellipse in (u, v) with these semi-axes times s.
+/// Semi-axes of the footprints of a frame: singular values of the Jacobian of (u, v), per pixel, over all lights. A
+/// pixel filter of standard deviation s \[pixels\] becomes an ellipse in (u, v) with these semi-axes times s.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Distribution {
-    // In growing order.
+    // In ascending order.
     minor: Vec<f64>,
     major: Vec<f64>,
 }
 
 impl Distribution {
-    /// Of the covered pixels of a frame, one entry of `directions` a light. Where light or viewer are below the horizon nothing is
-    /// shaded, and nothing counted.
+    /// Collects the covered pixels of a frame, one entry of `directions` per light. Pixels whose light or viewer is
+    /// below the horizon are not shaded and not counted.
     pub fn of(directions: &[Directions]) -> Self {
         let mut own = Self::default();
         for seen in directions {
@@ -44,23 +45,23 @@ impl Distribution {
         own
     }
 
-    /// Number of footprints.
+    /// Returns the number of footprints.
     pub fn count(&self) -> usize {
         self.minor.len()
     }
 
-    /// The minor semi-axis that the part `share` (0 … 1) of the footprints does not exceed; 0 where there are none.
+    /// Returns the quantile `share` (0 … 1) of the minor semi-axes; 0 if there are none.
     pub fn minor(&self, share: f64) -> f64 {
         quantile(&self.minor, share)
     }
 
-    /// The major semi-axis that the part `share` (0 … 1) of the footprints does not exceed; 0 where there are none.
+    /// Returns the quantile `share` (0 … 1) of the major semi-axes; 0 if there are none.
     pub fn major(&self, share: f64) -> f64 {
         quantile(&self.major, share)
     }
 }
 
-/// The smaller and the larger singular value of the Jacobian that a footprint `[du/dx, dv/dx, du/dy, dv/dy]` holds.
+/// Returns the smaller and the larger singular value of the Jacobian in a footprint `[du/dx, dv/dx, du/dy, dv/dy]`.
 pub fn semi_axes(footprint: [f32; 4]) -> [f64; 2] {
     let [a, b, c, d] = footprint.map(f64::from);
     // Sum and difference of the singular values of [[a, c], [b, d]].
@@ -69,17 +70,17 @@ pub fn semi_axes(footprint: [f32; 4]) -> [f64; 2] {
     [(sum - difference).abs() / 2.0, (sum + difference) / 2.0]
 }
 
-/// The value at the place `share` (0 … 1) of `values`, which grow; 0 where there are none.
+/// Returns the quantile `share` (0 … 1) of the ascending `values`; 0 if there are none.
 fn quantile(values: &[f64], share: f64) -> f64 {
     let last = values.len().saturating_sub(1);
     values.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// How large the footprints of pictures of `size` pixels are: the finest of all `views`. Along the longer axis many samples of a pixel together average
-/// over at least as much as one of few.
+/// Returns the smallest footprint sizes over all `views` of pictures of `size` pixels. The longer axis is that of
+/// pictures with few samples: many samples of a pixel together average over at least the length that one of few does.
 ///
 /// # Errors
-/// Where the device is lost or has no room.
+/// Fails if the device is lost or out of memory.
 pub fn sizes(
     device: &Arc<Device>,
     mesh: &Mesh,
@@ -88,12 +89,13 @@ pub fn sizes(
     sampling: &Sampling,
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let mut painter = Painter::new(device, &source, &Shading::default(), mesh, &Pigment::white(), size)?;
-    painter.ask_for_footprints()?;
+    let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
+    let mut renderer = Renderer::new(device, &[ObjectData::new(mesh, &pigment, &sources)], size)?;
+    renderer.ask_for_footprints()?;
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {
         let mut of = |sampling: &Sampling| {
             let directions =
-                each_light(view, sampling).into_iter().map(|pass| painter.directions_in(view, &pass));
+                each_light(view, sampling).into_iter().map(|pass| renderer.directions_in(view, &pass));
             Ok(sizes_of(&directions.collect::<Result<Vec<_>>>()?))
         };
         let few = sampling.with_large_footprints();
@@ -103,43 +105,44 @@ pub fn sizes(
     })
 }
 
-/// The first pass of each light of `view` in a picture by `sampling`.
+/// Returns the first pass of each light of `view` in a picture by `sampling`.
 fn each_light(view: &View, sampling: &Sampling) -> Vec<LightPass> {
     let first = view.schedule(sampling).after(0).passes;
     let of = |light| first.iter().find(|pass| pass.light == light).copied();
     (0..view.light_count()).filter_map(of).collect()
 }
 
-/// How large the footprints of shaded pixels in `directions` (one entry per light) are.
+/// Returns the footprint sizes of the shaded pixels in `directions` (one entry per light), as low quantiles.
 pub fn sizes_of(directions: &[Directions]) -> FootprintSizes {
     const BELOW_SHORTER: f64 = 0.02;
     const BELOW_LONGER: f64 = 0.25;
     let all = Distribution::of(directions);
-    // One sample has one filter, whatever the light.
+    // The filter of a sample is the same for all lights.
     let filter = directions.first().map_or(0.0, |seen| seen.filter);
     FootprintSizes { shorter: filter * all.minor(BELOW_SHORTER), longer: filter * all.major(BELOW_LONGER) }
 }
 
-/// The median area of the surface that a covered pixel of `view` shows \[units of the scene, squared\]; `None` where no pixel shows the
-/// surface from its front.
+/// Returns the median surface area seen by a covered pixel of `view` \[units of the scene, squared\]; `None` if no
+/// pixel shows the front of the surface.
 ///
 /// # Errors
-/// Where the device is lost, and where the pictures have no light.
-pub fn median_pixel_area(painter: &mut Painter, view: &View) -> Result<Option<f64>> {
-    let directions = painter.directions(view, 0)?;
-    let depth = painter.depth()?;
-    let mut areas = pixel_areas(view, painter.target().size(), &depth, &directions.view);
+/// Fails if the device is lost, or if the view has no light.
+pub fn median_pixel_area(renderer: &mut Renderer, view: &View) -> Result<Option<f64>> {
+    let directions = renderer.directions(view, 0)?;
+    let depth = renderer.depth()?;
+    let mut areas = pixel_areas(view, renderer.target().size(), &depth, &directions.view);
     areas.sort_by(f64::total_cmp);
     Ok((!areas.is_empty()).then(|| quantile(&areas, 0.5)))
 }
 
-/// The area of the surface that each covered pixel shows \[units of the scene, squared\], from its depth and ω_r in its tangent frame.
+/// Returns the surface area seen by each covered pixel \[units of the scene, squared\], from its depth and ω_r in its
+/// tangent frame.
 fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]]) -> Vec<f64> {
     let camera = &view.camera;
     let world_from_clip = view.clip_from_world(size).as_dmat4().inverse();
     let eye = camera.eye().as_dvec3();
     let forward = (camera.target.as_dvec3() - eye).normalize_or_zero();
-    // Side of a pixel on the plane at distance 1 before the eye.
+    // Side of a pixel on the plane at distance 1 from the eye.
     let side = 2.0 * (f64::from(camera.field_of_view) / 2.0).tan() / f64::from(size[1]);
     let area = |(pixel, (depth, to_view)): (usize, (&f32, &[f32; 4]))| {
         let [covered, cosine] = [to_view[3], to_view[2]];
@@ -148,8 +151,8 @@ fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]])
         }
         let place = pixel_in_clip(pixel, size).extend((*depth).into());
         let seen = world_from_clip.project_point3(place) - eye;
-        // A pixel `side` wide at distance 1 takes the solid angle side² cos³ of the angle from the axis, and the distance from the eye is
-        // `along` over that cosine.
+        // A pixel `side` wide at distance 1 subtends the solid angle side² cos³ of the off-axis angle, and the distance
+        // from the eye is `along` over that cosine.
         let along = seen.dot(forward);
         let off_axis = along / seen.length();
         Some(along.powi(2) * side.powi(2) * off_axis / f64::from(cosine))

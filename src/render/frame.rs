@@ -29,33 +29,34 @@ use glam::{DVec3, Mat4, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a frame shows.
+/// Camera, lights and geometry bounds of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
-    /// Centre and radius of what is looked at.
+    /// Centre of the scene.
     pub centre: Vec3,
     /// Radius around `centre`.
     pub radius: f32,
-    /// Distance from `centre` to the farthest point of what is drawn, at least `radius`.
+    /// Distance from `centre` to the farthest point drawn, at least `radius`.
     pub reach: f32,
     /// Length of a unit of the scene \[m\].
     pub unit: f64,
     /// Lights.
     pub lights: Vec<Light>,
-    /// Surroundings, which are one light more.
+    /// Surroundings, which count as one more light.
     pub environment: Option<Environment>,
-    /// Whether the surroundings, where there are any, are displayed as the background.
+    /// True if the surroundings, if any, are displayed as the background.
     pub shows_surroundings: bool,
     /// Albedo of the pigment.
     pub base_color: Vec3,
-    /// Whether the pigment texture counts.
+    /// True if the pigment texture is used.
     pub pigment: bool,
 }
 
 impl View {
-    /// `scene` under `lights` of this coherence, which holds a part of their extent already, in its surroundings, without its pigment texture.
+    /// Returns a view of `scene` with its surroundings, but without its pigment texture, under `lights`. The coherence
+    /// already accounts for part of the extent of each light, so it is subtracted.
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
         let room = Self::of(scene, Vec::new()).room();
         let lights = lights.iter().map(|light| light.map(|own| own.beyond(coherence, &room))).collect();
@@ -66,7 +67,7 @@ impl View {
         }
     }
 
-    /// `scene` under `lights` alone, without surroundings and without its pigment texture.
+    /// Returns a view of `scene` under `lights` alone, without surroundings and pigment texture.
     pub fn of(scene: &Scene, lights: Vec<Light>) -> Self {
         let bounds = scene.bounds();
         Self {
@@ -78,53 +79,53 @@ impl View {
             lights,
             environment: None,
             shows_surroundings: false,
-            base_color: scene.base_color,
+            base_color: scene.main_object().base_color,
             pigment: false,
         }
     }
 
-    /// World to the clip space of a picture of `size` pixels.
+    /// Returns the matrix from the world to the clip space of a picture of `size` pixels.
     pub fn clip_from_world(&self, size: [u32; 2]) -> Mat4 {
         self.camera.clip_from_world(size, self.centre, self.reach)
     }
 
-    /// Where and how large the scene is.
+    /// Returns the position and the unit of the scene.
     pub fn room(&self) -> Room {
         Room { centre: self.centre.as_dvec3(), unit: self.unit }
     }
 
-    /// Number of lights; the surroundings, where there are any, are the last.
+    /// Returns the number of lights; the surroundings, if any, are the last.
     pub fn light_count(&self) -> usize {
         self.lights.len() + usize::from(self.environment.is_some())
     }
 
-    /// What the samples of a picture by `sampling` draw.
+    /// Returns the lights that each sample of a picture by `sampling` draws.
     pub fn schedule(&self, sampling: &Sampling) -> LightSchedule {
         LightSchedule::new(self.lights.len(), self.environment.as_ref().map(Environment::extent), sampling)
     }
 
-    /// Whether light number `light` is the surroundings.
+    /// Returns true if light number `light` is the surroundings.
     pub fn is_surroundings(&self, light: usize) -> bool {
         light == self.lights.len() && self.environment.is_some()
     }
 
-    /// The surroundings, where they are displayed as the background.
+    /// Returns the surroundings if they are displayed as the background.
     pub fn background(&self) -> Option<&Environment> {
         self.environment.as_ref().filter(|_| self.shows_surroundings)
     }
 
-    /// The illuminant of light number `light`, where it has one of its own.
+    /// Returns the illuminant of light number `light` if it differs from the scene's.
     pub fn illuminant(&self, light: usize) -> Option<&Illuminant> {
         self.lights.get(light).and_then(Light::illuminant)
     }
 
-    /// Whether lamps are among the lights.
+    /// Returns true if any light is a lamp.
     pub fn has_lamps(&self) -> bool {
         self.lights.iter().any(Light::is_lamp)
     }
 
-    /// What the pixels of `pass` get from its light; no light where there is none of that number. Each light has a pair of dimensions of its own,
-    /// behind that of the place in the pixel.
+    /// Returns the light incident on the pixels of `pass`; no light if its number does not exist. Each light has a
+    /// separate pair of sequence dimensions, after the pair of the position in the pixel.
     pub fn incident(&self, pass: &LightPass) -> Incident {
         let LightPass { light, sample, weight, .. } = *pass;
         let room = self.room();
@@ -138,7 +139,7 @@ impl View {
         Incident { irradiance: incident.irradiance * weight as f32, ..incident }
     }
 
-    /// The `Frame` block for a `pass` in a picture of `size` pixels.
+    /// Returns the `Frame` block of `pass` in a picture of `size` pixels.
     pub fn block(&self, size: [u32; 2], pass: &LightPass) -> FrameBlock {
         let incident = self.incident(pass);
         let toward = incident.place.map_or(incident.direction, |place| place.point);
@@ -168,24 +169,25 @@ impl View {
     }
 }
 
-/// The pass that finds what each pixel sees, and its directions there under one light; before it, the depth map of a light that casts shadows.
+/// Geometry pass: finds the surface seen by each pixel and its directions under one light. If the light casts shadows,
+/// its depth map is drawn first.
 pub struct GeometryPass {
-    // One for each object.
+    // One per object.
     pipelines: Vec<Pipeline>,
-    // The same under surroundings, where they are among the lights.
+    // The same under surroundings, if the view has any.
     mirroring: Vec<Pipeline>,
     shadows: Option<Shadows>,
 }
 
 impl GeometryPass {
-    /// A pass that draws `objects` into `geometry`; they read its depth map from now on.
+    /// Makes a pass that draws `objects` into `geometry`; the objects then read its depth map.
     ///
     /// # Errors
-    /// Where the device refuses or has no room.
+    /// Fails if Vulkan reports an error or the device is out of memory.
     pub fn new(device: &Arc<Device>, objects: &[DeviceObject], geometry: &Geometry) -> Result<Self> {
         let GeometrySettings { textured, footprints, shadows, mirrored, lamps, several, .. } =
             geometry.settings;
-        // `constant_id`s of the fragment stage.
+        // Specialisation constants of the fragment stage.
         const TEXTURED: u32 = 0;
         const FOOTPRINTS: u32 = 1;
         const SHADOWS: u32 = 2;
@@ -220,16 +222,17 @@ impl GeometryPass {
         let under_surroundings = if mirrored { objects } else { &[] };
         let mirroring =
             under_surroundings.iter().map(|object| pipeline(object, true)).collect::<Result<_>>()?;
-        // Last, because the objects read its map from now on.
+        // Last, because it points the sets of the objects at its depth map.
         let size = geometry.directions.size();
         let shadows = shadows.then(|| Shadows::new(device, objects, size)).transpose()?;
         Ok(Self { pipelines, mirroring, shadows })
     }
 
-    /// Selects the depth map of light number `light` for the next drawing, which `block` describes. The device must not be using the sets of `objects`.
+    /// Selects the depth map of light number `light` for the next draw, which `block` describes. The device must not be
+    /// using the sets of `objects`.
     ///
     /// # Errors
-    /// When the device has no room for the light's first map.
+    /// Fails if the device is out of memory for the light's first map.
     pub fn select_shadow(
         &mut self,
         device: &Arc<Device>,
@@ -243,8 +246,8 @@ impl GeometryPass {
         }
     }
 
-    /// Records the drawing of `objects` into `geometry`, which it leaves readable by shaders, under a light that is drawn from surroundings whose specular
-    /// order is `mirrored`, or under another.
+    /// Records the drawing of `objects` into `geometry`, whose images become readable by shaders. `mirrored`: the light
+    /// is the surroundings, and their radiance in the mirrored direction is written too.
     pub fn record(
         &self,
         record: &Recorder<'_>,
@@ -261,7 +264,7 @@ impl GeometryPass {
         };
         let mut before = change(Access::Nothing, Access::ColorAttachment);
         before.push((&geometry.depth, Access::Nothing, Access::DepthAttachment));
-        // What this light has no use for is readable all the same, because shaders name it.
+        // Images unused under this light must be readable all the same, because shaders declare them.
         let unused = geometry.mirrored.iter().filter(|_| !mirrored);
         before.extend(unused.map(|image| (image, Access::Nothing, Access::ShaderRead)));
         record.images(&before);
@@ -280,36 +283,38 @@ impl GeometryPass {
     }
 }
 
-/// The test of passes over what the geometry pass covered, in a depth of this `format`: their one triangle stands where depth was cleared to, so
-/// that devices drop everything else before its shader runs, as no branch in it makes software devices do.
+/// Returns the depth test of passes over the pixels that the geometry pass covered, in a depth of this `format`. Their
+/// one triangle lies at the clear depth, so that devices discard uncovered pixels before the fragment shader runs.
+/// Software devices do not skip these with a branch in the shader.
 pub(super) fn covered(format: vk::Format) -> Depth {
     Depth { format, compare: vk::CompareOp::GREATER, write: false, stencil: None }
 }
 
-/// What the stencil holds where object `number`, from 0, is seen; 0 where there is none.
+/// Returns the stencil value of object `number`, from 0; stencil 0 marks uncovered pixels.
 fn stencil_of(number: usize) -> u8 {
     (number + 1).min(u8::MAX.into()) as u8
 }
 
-/// A pass that shades every covered pixel of a picture once, neighbours together: small triangles would leave most lanes of a
-/// device idle in a fragment stage of their own.
+/// Pass that shades every covered pixel of a picture once. One triangle covers the picture, because the small triangles
+/// of a mesh would leave most lanes of a device idle.
 ///
-/// It adds to what the picture holds: parts of a sum, lights and samples come one after the other.
+/// Adds to the picture: parts of a sum, lights and samples are drawn one after the other.
 pub struct PixelPass {
     pipeline: Pipeline,
-    // The same under surroundings, where they are among the lights.
+    // The same under surroundings, if the view has any.
     mirroring: Option<Pipeline>,
-    /// Draws of a pixel under one light.
+    /// Draws per pixel and light.
     pub parts: u32,
-    // Whether it draws only where its object is seen.
+    // True if the pass draws only the pixels of its object.
     of_object: bool,
 }
 
 impl PixelPass {
-    /// The pass that shades what the geometry pass finds by its `settings`, from `source`, over the layout of `frame`.
+    /// Makes the pass that shades the output of a geometry pass with these `settings`, from `source`, with the set
+    /// layout of `frame`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn shading(
         device: &Arc<Device>,
         frame: &Descriptors,
@@ -332,10 +337,10 @@ impl PixelPass {
         })
     }
 
-    /// The pass that finds out how fast the device reads the texture of `source`.
+    /// Makes the pass that measures how fast the device reads the texture of `source`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn probe(device: &Arc<Device>, frame: &Descriptors, source: &BoundSource) -> Result<Self> {
         let code = source.probe().with(source.constants());
         let push_bytes = size_of::<Probe>() as u32;
@@ -345,12 +350,12 @@ impl PixelPass {
         Ok(Self { pipeline, mirroring: None, parts: 1, of_object: false })
     }
 
-    /// A triangle over `target.radiance`.
+    /// Returns the state of a triangle drawn over `target.radiance`.
     fn drawing(depth: Option<Depth>) -> Drawing<'static> {
         Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth }
     }
 
-    /// Adds these `parts` of the sum for what the geometry pass found of an object.
+    /// Adds these `parts` of the sum to the pixels of an object.
     fn draw(&self, draw: &Recorder<'_>, shaded: &ShadedObject<'_>, parts: &Range<u32>) {
         let ShadedObject { number, object, source, mirrored, white, counts, .. } = *shaded;
         let pipeline = self.mirroring.as_ref().filter(|_| mirrored).unwrap_or(&self.pipeline);
@@ -383,22 +388,22 @@ impl PixelPass {
     }
 }
 
-/// An object as it is shaded under one light.
+/// Draw call of an object under one light.
 #[derive(Clone, Copy)]
 pub struct ShadedObject<'a> {
-    /// Its number, from 0.
+    /// Number of the object, from 0.
     pub number: usize,
     /// The object, with its frame.
     pub object: &'a DeviceObject,
-    /// What it is shaded from.
+    /// Source of the object.
     pub source: &'a BoundSource,
-    /// What shades it.
+    /// Shading pass.
     pub pass: &'a PixelPass,
-    /// Whether the light is drawn from surroundings whose specular order is mirrored.
+    /// True if the light is the surroundings, whose specular order is reflected.
     pub mirrored: bool,
-    /// A white diffuse surface under the illuminant, linear sRGB.
+    /// White diffuse surface under the illuminant, linear sRGB.
     pub white: Vec3,
-    /// Whether its pixels count as covered once more.
+    /// True if this draw adds 1 to the coverage of its pixels.
     pub counts: bool,
 }
 
@@ -412,8 +417,9 @@ struct ShadeBlock {
     white: [f32; 4],
 }
 
-/// Records the shading of `objects` where `geometry` found them by these `parts` of their sums into `target.radiance`, which it leaves as a colour
-/// attachment. The shading adds to what is there; where it is the `first` of a picture, to nothing. Alpha counts the samples that cover a pixel.
+/// Records the shading of `objects` in the pixels that `geometry` found, by these `parts` of their sums, into
+/// `target.radiance`, which stays a colour attachment. The `first` shading of a picture clears the radiance; the others
+/// add to it. Alpha counts the samples that cover a pixel.
 pub fn record_shading(
     record: &Recorder<'_>,
     (geometry, target): (&Geometry, &Target),
@@ -435,7 +441,7 @@ pub fn record_shading(
     }
 }
 
-/// Records what makes `target.radiance` ready for [`record_shading`] of a picture.
+/// Records the barrier that makes `target.radiance` a colour attachment for [`record_shading`].
 pub fn begin_shading(record: &Recorder<'_>, target: &Target) {
     record.images(&[(&target.radiance, Access::Nothing, Access::ColorAttachment)]);
 }
@@ -444,13 +450,13 @@ pub fn begin_shading(record: &Recorder<'_>, target: &Target) {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Probe {
-    /// Texture samples of a pixel.
+    /// Texture samples per pixel.
     pub samples: u32,
-    /// 1 where every pixel reads at a place of its own, 0 where neighbours read neighbours.
+    /// 1 if every pixel reads at a random place, 0 if neighbours read neighbours.
     pub scattered: u32,
 }
 
-/// The pass that turns radiance into a displayed picture.
+/// Pass that turns radiance into a displayed picture.
 pub struct DisplayPass {
     pipeline: Pipeline,
     descriptors: Descriptors,
@@ -458,23 +464,24 @@ pub struct DisplayPass {
 }
 
 impl DisplayPass {
-    /// A pass that draws one sample into images of `format` where a depth of `depth_format` says.
+    /// Makes a pass that draws one sample into images of `format`, limited to the pixels covered in a depth of
+    /// `depth_format`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, format: vk::Format, depth_format: vk::Format) -> Result<Self> {
         Self::with(device, format, Some(covered(depth_format)))
     }
 
-    /// A pass that draws the mean of samples into images of `format`.
+    /// Makes a pass that draws the mean of samples into images of `format`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn of_mean(device: &Arc<Device>, format: vk::Format) -> Result<Self> {
         Self::with(device, format, None)
     }
 
-    /// Without a `depth` test it is of a mean.
+    /// Makes the pass; without a `depth` test it displays a mean.
     fn with(device: &Arc<Device>, format: vk::Format, depth: Option<Depth>) -> Result<Self> {
         let descriptors = Descriptors::new(device, "display set", &[Binding::texture(0)])?;
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth };
@@ -494,13 +501,13 @@ impl DisplayPass {
         Ok(Self { pipeline, descriptors, _sampler: sampler })
     }
 
-    /// Points the pass at `radiance`, of a sample or summed. The device must not be using the pass.
+    /// Points the pass at `radiance`, of one sample or summed. The device must not be using the pass.
     pub fn read_from(&self, radiance: &Image) {
         self.descriptors.image(0, radiance, &self._sampler);
     }
 
-    /// Records the display of `target.radiance` (a colour attachment until now) into `into` where `geometry` covers, over the
-    /// background; leaves radiance readable by shaders and `into` a colour attachment.
+    /// Records the display of `target.radiance` (a colour attachment before) into the pixels of `into` that `geometry`
+    /// covers, over the background. Afterwards the radiance is readable by shaders and `into` a colour attachment.
     pub fn record(
         &self,
         record: &Recorder<'_>,
@@ -511,14 +518,14 @@ impl DisplayPass {
         record.images(&[
             (&target.radiance, Access::ColorAttachment, Access::ShaderRead),
             (into, Access::Nothing, Access::ColorAttachment),
-            // The pass before stored it.
+            // The previous pass wrote the depth.
             (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
         ]);
         let background = Some(displayed(shown.background));
         record.render_over(&[(into, background)], &geometry.depth, |draw| self.draw(draw, 1, shown));
     }
 
-    /// Records the display of the mean of `samples` samples, whose sum the pass reads, into `into`, which it leaves a colour attachment.
+    /// Records the display of the mean of the `samples` summed samples into `into`, which becomes a colour attachment.
     pub fn record_mean(&self, record: &Recorder<'_>, into: &Image, samples: u32, shown: Shown) {
         record.images(&[(into, Access::Nothing, Access::ColorAttachment)]);
         let background = Some(displayed(shown.background));
@@ -532,24 +539,24 @@ impl DisplayPass {
     }
 }
 
-/// How radiance is displayed.
+/// Display settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     /// Exposure \[stops\].
     pub exposure: f64,
-    /// What becomes of highlights.
+    /// Tone mapping of highlights.
     pub tone: Tone,
-    /// What is displayed where nothing is covered, linear sRGB; neither exposure nor tone changes it.
+    /// Colour of the background, linear sRGB; unaffected by exposure and tone.
     pub background: DVec3,
 }
 
 impl Shown {
-    /// As `scene` says.
+    /// Returns the display settings of `scene`.
     pub fn of(scene: &Scene) -> Self {
         Self { exposure: scene.exposure, tone: scene.tone, background: scene.background.color() }
     }
 
-    /// At `exposure` over `background`, without a tone.
+    /// Returns settings with `exposure` and `background`, without tone mapping.
     pub const fn plain(exposure: f64, background: DVec3) -> Self {
         Self { exposure, tone: Tone::None, background }
     }
@@ -566,7 +573,7 @@ pub(super) struct DisplayBlock {
 }
 
 impl DisplayBlock {
-    /// For the mean of `samples` samples.
+    /// Makes the block for the mean of `samples` samples.
     pub(super) fn new(samples: u32, shown: Shown) -> Self {
         Self {
             background: color::map_to_gamut(shown.background).as_vec3().to_array(),
@@ -577,7 +584,7 @@ impl DisplayBlock {
     }
 }
 
-/// What a display pass clears to: the code of `background`, which no exposure changes.
+/// Returns the clear colour of a display pass: the sRGB code of `background`, without exposure.
 pub(super) fn displayed(background: DVec3) -> [f32; 4] {
     let [r, g, b] = color::display(background, 0.0).map(|code| f32::from(code) / 255.0);
     [r, g, b, 1.0]

@@ -1,4 +1,4 @@
-//! Descriptor set 0 of the graphics stages: the frame, the pigment and what the geometry pass found at each pixel. Its twins are
+//! Descriptor set 0 of the graphics stages: the frame, the pigment and the images of the geometry pass. Its twins are
 //! `shaders/frame.glsl` and `shaders/pixel.glsl`.
 
 use super::grooves::GrooveDirections;
@@ -27,29 +27,30 @@ pub struct FrameBlock {
     pub clip_from_world: [[f32; 4]; 4],
     /// Position of the viewer; w unused.
     pub eye: [f32; 4],
-    /// Unit vector to the light, and the variance of the directions that it stands for; of a lamp a point and the variance of points.
+    /// Unit vector to the light and the variance of the directions it represents; for a lamp, a point and the variance
+    /// of its points.
     pub light: [f32; 4],
-    /// How the light emits: see [`FrameBlock::emitter_of`].
+    /// Kind of emitter: see [`FrameBlock::emitter_of`].
     pub emitter: [f32; 4],
-    /// Irradiance of a surface that faces the light, over π, linear sRGB; of a lamp at distance 1. w: how much the mirrored radiance of
-    /// surroundings counts, where the light is drawn from them.
+    /// Irradiance over π of a surface that faces the light, linear sRGB; for a lamp, at distance 1. w: weight of the
+    /// mirrored radiance of surroundings, if the light is drawn from them.
     pub irradiance: [f32; 4],
-    /// Albedo of the pigment; w: 1 where the texture counts.
+    /// Albedo of the pigment; w: 1 if the texture is used.
     pub base_color: [f32; 4],
-    /// Cosine and sine of the angle by which the patch is turned, where it is one for all of an object; zw unused.
+    /// Cosine and sine of the angle by which the patch is turned, if the angle is constant over the object; zw unused.
     pub grooves: [f32; 4],
-    /// How the surroundings stand: cosine and sine of their rotation, what their picture's 1 stands for, and the variance of (u, v) over which
-    /// the specular order spreads.
+    /// Orientation and scale of the surroundings: cosine and sine of their rotation, value of a stored 1, and variance
+    /// of (u, v) of the specular order.
     pub surroundings: [f32; 4],
     /// World to the clip space of the light's depth map, column by column.
     pub shadow_from_world: [[f32; 4]; 4],
-    /// Which sample of the picture the frame is.
+    /// Sample of the picture.
     pub sample: SampleBlock,
 }
 
 impl FrameBlock {
-    /// What `emitter` holds of a light: 0 in w where it is far away; the middle of a lamp that emits all around, and 1; the normal of one that
-    /// emits to one side, and 2.
+    /// Returns `emitter` of a light: w is 0 for a distant light, 1 for a lamp that emits in all directions (xyz: its
+    /// centre), and 2 for a lamp that emits to one side (xyz: its normal).
     pub fn emitter_of(place: Option<&LampPoint>) -> [f32; 4] {
         match place.map(|place| place.emits) {
             None => [0.0; 4],
@@ -59,11 +60,11 @@ impl FrameBlock {
     }
 }
 
-/// A sample of a picture, as [`super::sampling::Sample`] has it (std140).
+/// Sample of a picture, as in [`super::sampling::Sample`] (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SampleBlock {
-    /// Place in the pixel, from its centre: x to the right, y downward \[pixels\].
+    /// Position in the pixel, from its centre: x to the right, y downward \[pixels\].
     pub jitter: [f32; 2],
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub footprint: f32,
@@ -85,7 +86,7 @@ pub mod binding {
     pub const PIGMENT: u32 = 1;
     /// ω_r and ω_i of every pixel.
     pub const DIRECTIONS: u32 = 2;
-    /// Pigment of every pixel, and how bright a lamp is there.
+    /// Pigment of every pixel, and the falloff of a lamp there.
     pub const ALBEDOS: u32 = 3;
     /// Footprints of every pixel.
     pub const FOOTPRINTS: u32 = 4;
@@ -95,13 +96,13 @@ pub mod binding {
     pub const SHADOW: u32 = 6;
     /// Picture of the surroundings.
     pub const SURROUNDINGS: u32 = 7;
-    /// Directions of grooves.
+    /// Map of groove directions.
     pub const GROOVES: u32 = 8;
 }
 
-/// The set and what it points to.
+/// Descriptor set 0 and the buffers and images bound to it.
 pub struct FrameSet {
-    /// The set that pipelines bind.
+    /// Descriptor set of the pipelines.
     pub descriptors: Descriptors,
     frame: Buffer,
     pigment: Image,
@@ -109,15 +110,15 @@ pub struct FrameSet {
     _repeat: Sampler,
     edge: Sampler,
     nearest: Sampler,
-    around: Sampler,
+    environment_sampler: Sampler,
     surroundings: Option<Arc<Surroundings>>,
 }
 
 impl FrameSet {
-    /// The set of a frame with `pigment`, `grooves` and what `geometry` holds.
+    /// Makes the set of a frame with `pigment`, `grooves` and the images of `geometry`.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(
         device: &Arc<Device>,
         pigment: &Pigment,
@@ -147,9 +148,9 @@ impl FrameSet {
         descriptors.buffer(binding::FRAME, &frame);
         descriptors.image(binding::PIGMENT, &image, &repeat);
         descriptors.image(binding::GROOVES, &directions, &repeat);
-        let around = Sampler::equirectangular(device, "sampler of surroundings")?;
-        // Every binding has to hold something; what there is none of is never read.
-        descriptors.image(binding::SURROUNDINGS, &image, &around);
+        let environment_sampler = Sampler::equirectangular(device, "sampler of surroundings")?;
+        // Every binding needs an image; unused ones are never read.
+        descriptors.image(binding::SURROUNDINGS, &image, &environment_sampler);
         let set = Self {
             descriptors,
             frame,
@@ -158,7 +159,7 @@ impl FrameSet {
             _repeat: repeat,
             edge,
             nearest,
-            around,
+            environment_sampler,
             surroundings: None,
         };
         set.read_from(geometry);
@@ -166,7 +167,7 @@ impl FrameSet {
         Ok(set)
     }
 
-    /// Points the set at what the geometry pass writes. The device must not be using the set.
+    /// Points the set at the images of the geometry pass. The device must not be using the set.
     pub fn read_from(&self, geometry: &Geometry) {
         let there = &geometry.directions;
         self.descriptors.image(binding::DIRECTIONS, there, &self.edge);
@@ -180,18 +181,18 @@ impl FrameSet {
         }
     }
 
-    /// Points the set at the depth map of the light, where there is one. The device must not be using the set.
+    /// Points the set at the depth map of the light, if there is one. The device must not be using the set.
     pub fn read_shadow(&self, map: Option<&Image>) {
-        // What is there is readable at any time.
+        // The pigment is always readable and stands in for a missing map.
         self.descriptors.image(binding::SHADOW, map.unwrap_or(&self.pigment), &self.nearest);
     }
 
-    /// Uploads the picture of `environment`, unless it is there already, and points the set at it. What a stored 1 stands for. The device must
-    /// not be using the set.
+    /// Uploads the picture of `environment` unless it is there already, and points the set at it. Returns the radiance
+    /// of a stored 1. The device must not be using the set.
     ///
     /// # Errors
-    /// Where the device has no room.
-    pub fn surround(&mut self, device: &Arc<Device>, environment: &Environment) -> Result<f32> {
+    /// Fails if the device is out of memory.
+    pub fn bind_environment(&mut self, device: &Arc<Device>, environment: &Environment) -> Result<f32> {
         if let Some(there) = self.surroundings.as_ref().filter(|there| there.show(environment)) {
             return Ok(there.unit);
         }
@@ -201,7 +202,8 @@ impl FrameSet {
         Ok(unit)
     }
 
-    /// Points the set at the picture of surroundings that `other` reads, where it is another. The device must not be using the set.
+    /// Points the set at the picture of surroundings that `other` reads, unless it reads it already. The device must
+    /// not be using the set.
     pub fn share_surroundings(&mut self, other: &Self) {
         let same =
             |there: &Arc<Surroundings>| self.surroundings.as_ref().is_some_and(|own| Arc::ptr_eq(own, there));
@@ -211,7 +213,7 @@ impl FrameSet {
     }
 
     fn read_surroundings(&mut self, surroundings: Arc<Surroundings>) {
-        self.descriptors.image(binding::SURROUNDINGS, &surroundings.image, &self.around);
+        self.descriptors.image(binding::SURROUNDINGS, &surroundings.image, &self.environment_sampler);
         self.surroundings = Some(surroundings);
     }
 
@@ -223,7 +225,7 @@ impl FrameSet {
     /// Writes the block of the next frame. The device must not be using the set.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn write(&mut self, block: &FrameBlock) -> Result<()> {
         self.frame.write(bytemuck::bytes_of(block))
     }

@@ -1,5 +1,5 @@
-//! How the patch of a height field lies on a mesh, for the geometry pass: the twin of [`GrooveDirections::turn_at`] is `groove_turn` of
-//! `shaders/geometry.frag`.
+//! Orientation of the patch of a height field on a mesh, for the geometry pass. The twin of
+//! [`GrooveDirections::turn_at`] is `groove_turn` of `shaders/geometry.frag`.
 
 use crate::error::Result;
 use crate::input::PictureFile;
@@ -9,6 +9,7 @@ use half::f16;
 use image::ImageFormat;
 use std::f64::consts::TAU;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// Largest side of a map \[pixels\].
 const MAX_MAP: u32 = 8192;
@@ -19,9 +20,9 @@ const MAX_MAP: u32 = 8192;
 pub enum Layout {
     /// x along T.
     Along = 0,
-    /// x turned by one angle.
+    /// x turned by a constant angle.
     Turned = 1,
-    /// x away from the middle of the texture.
+    /// x away from the centre of the texture.
     Radial = 2,
     /// x turned by the angles of a map.
     Mapped = 3,
@@ -30,34 +31,40 @@ pub enum Layout {
 /// The directions of the patch's x in the tangent frame of a mesh.
 #[derive(Clone, Debug)]
 pub struct GrooveDirections {
-    /// What they follow from.
+    /// Rule that gives the directions.
     pub layout: Layout,
-    /// Cosine and sine of the one angle.
+    /// Cosine and sine of the constant angle.
     pub turn: [f32; 2],
-    /// Width and height of the map.
+    /// Width and height of the map \[texels\].
     pub size: [u32; 2],
-    /// The map: cosine and sine of each angle, row by row from the top.
+    /// Map: cosine and sine of each angle, row by row from the top.
     pub texels: Vec<[f16; 2]>,
 }
 
 impl GrooveDirections {
-    /// x along T.
-    pub fn along() -> Self {
-        Self { layout: Layout::Along, turn: [1.0, 0.0], size: [1, 1], texels: vec![direction(0.0)] }
+    /// Returns directions with x along T.
+    pub fn along() -> &'static Self {
+        static ALONG: LazyLock<GrooveDirections> = LazyLock::new(|| GrooveDirections {
+            layout: Layout::Along,
+            turn: [1.0, 0.0],
+            size: [1, 1],
+            texels: vec![direction(0.0)],
+        });
+        &ALONG
     }
 
-    /// As `grooves` says.
+    /// Returns the directions that `grooves` describes.
     ///
     /// # Errors
-    /// A map that cannot be read.
+    /// Fails if a map cannot be read.
     pub fn of(grooves: &Grooves) -> Result<Self> {
         match grooves {
-            Grooves::Along => Ok(Self::along()),
+            Grooves::Along => Ok(Self::along().clone()),
             Grooves::Turned(angle) => {
                 let (sin, cos) = angle.to_radians().sin_cos();
-                Ok(Self { layout: Layout::Turned, turn: [cos as f32, sin as f32], ..Self::along() })
+                Ok(Self { layout: Layout::Turned, turn: [cos as f32, sin as f32], ..Self::along().clone() })
             }
-            Grooves::Radial => Ok(Self { layout: Layout::Radial, ..Self::along() }),
+            Grooves::Radial => Ok(Self { layout: Layout::Radial, ..Self::along().clone() }),
             Grooves::Map(file) => Self::read(file),
         }
     }
@@ -76,7 +83,7 @@ impl GrooveDirections {
     /// Interpolates the map linearly at `uv`, whose v grows upward. The map repeats.
     fn between_texels(&self, uv: DVec2) -> DVec2 {
         let size = DVec2::new(self.size[0].into(), self.size[1].into());
-        // From the middle of the first texel.
+        // Relative to the centre of the first texel.
         let place = DVec2::new(uv.x, 1.0 - uv.y) * size - 0.5;
         let (corner, share) = (place.floor(), place - place.floor());
         let texel = |right: f64, down: f64| {
@@ -94,7 +101,7 @@ impl GrooveDirections {
         let white = f64::from(u16::MAX);
         let texels = picture.pixels().map(|grey| direction(TAU * f64::from(grey.0[0]) / white)).collect();
         let size = [picture.width(), picture.height()];
-        Ok(Self { layout: Layout::Mapped, size, texels, ..Self::along() })
+        Ok(Self { layout: Layout::Mapped, size, texels, ..Self::along().clone() })
     }
 }
 
@@ -103,7 +110,7 @@ fn direction(angle: f64) -> [f16; 2] {
     [cos, sin].map(f16::from_f64)
 }
 
-/// What a map of groove directions is.
+/// Accepted files of a map of groove directions.
 const MAP: PictureFile = PictureFile {
     formats: &[ImageFormat::Png, ImageFormat::Tiff],
     names: "neither PNG nor TIFF",
@@ -119,8 +126,12 @@ mod tests {
     #[test]
     fn a_map_is_read_from_the_top_between_texels_and_repeats() {
         let texels = [0.0, 90.0, 180.0, 270.0].map(|angle: f64| direction(angle.to_radians())).to_vec();
-        let map =
-            GrooveDirections { layout: Layout::Mapped, size: [2, 2], texels, ..GrooveDirections::along() };
+        let map = GrooveDirections {
+            layout: Layout::Mapped,
+            size: [2, 2],
+            texels,
+            ..GrooveDirections::along().clone()
+        };
         let near = |uv: [f64; 2], angle: f64| {
             let found = map.turn_at(uv.into());
             assert!((found - DVec2::from_angle(angle.to_radians())).length() < 1e-3, "{uv:?}: {found}");

@@ -1,67 +1,70 @@
-//! Which lights the samples of a picture draw.
+//! Schedule of the lights that the samples of a picture draw.
 //!
-//! Light from all around changes less from sample to sample than that of a lamp or of the sun, and takes as long to draw. So in a picture of many
-//! samples every sample draws the lights, and every fourth draws such surroundings, too, four times as brightly.
+//! Light from all around varies less between samples than light of a lamp or of the sun, and costs as much to draw. In
+//! a picture of many samples, every sample therefore draws the other lights, but only every fourth draws such
+//! surroundings, with four times their weight.
 
 use super::sampling::{Sample, Sampling};
 use std::f64::consts::PI;
 
-/// Samples for one that draws surroundings beside other lights.
+/// Ratio of all samples to those that draw the surroundings in addition to other lights.
 ///
-/// In the default picture the sun makes forty times the noise that the sky makes (docs/decisions/0015-lights-one-after-the-other.md).
+/// In the default picture the sun makes forty times the noise that the sky makes
+/// (docs/decisions/0015-lights-one-after-the-other.md).
 const EVERY: u32 = 4;
-/// Solid angle from which light comes from all around \[sr\]: that of half a hemisphere. An overcast sky has 6, a room with lamps and windows, which make colours
-/// of their own, less than 1.
+/// Smallest solid angle of surroundings that count as light from all around \[sr\]: half a hemisphere. An overcast sky
+/// has 6; a room with lamps and windows, which make distinct colours, less than 1.
 const ALL_AROUND: f64 = PI;
-/// Fewest samples that draw the surroundings where not all do: fewer are too few to stand for all directions.
+/// Fewest samples that draw the surroundings if not all do: fewer do not represent all directions.
 const FEWEST: u32 = 4;
 
-/// A light as a sample of a picture draws it.
+/// Light drawn by a sample of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPass {
     /// Number of the light.
     pub light: usize,
-    /// The sample: its place in the pixel, and its number among the samples that draw this light.
+    /// Sample: its position in the pixel, and its number among the samples that draw this light.
     pub sample: Sample,
-    /// How much brighter the light is drawn than it is: samples of the picture over those that draw this light.
+    /// Factor of the brightness: samples of the picture over samples that draw this light.
     pub weight: f64,
-    /// Whether it is the first light of its sample, so that the pixels which the sample covers are counted once.
+    /// True for the first light of a sample, which counts the covered pixels.
     pub is_first: bool,
 }
 
 impl LightPass {
-    /// Light number `light` of a `sample` of a picture whose samples draw all lights.
+    /// Returns the pass of light number `light` in a `sample` of a picture whose samples draw all lights.
     pub const fn of_all(light: usize, sample: Sample) -> Self {
         Self { light, sample, weight: 1.0, is_first: light == 0 }
     }
 }
 
-/// All of `lights` lights in one `sample`; where there are none, one that is dark.
+/// Returns the passes of all `lights` in one `sample`; without lights, one dark pass.
 pub fn all_lights(lights: usize, sample: Sample) -> Vec<LightPass> {
     (0..lights.max(1)).map(|light| LightPass::of_all(light, sample)).collect()
 }
 
-/// Samples that are drawn together: their mean shows all lights.
+/// Samples that are drawn together, so that their mean contains all lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampleGroup {
-    /// What they draw, one after the other.
+    /// Passes, drawn one after the other.
     pub passes: Vec<LightPass>,
     /// Number of samples.
     pub samples: u32,
 }
 
-/// What the samples of a picture draw.
+/// Schedule of lights of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightSchedule {
     sampling: Sampling,
-    /// Lights that every sample draws.
+    /// Number of lights that every sample draws.
     lights: usize,
-    /// Number of the surroundings, where some samples draw them and others do not.
+    /// Number of the surroundings, if only some samples draw them.
     seldom: Option<usize>,
 }
 
 impl LightSchedule {
-    /// For pictures by `sampling` under `others` lights, beside surroundings whose light comes from this `extent` \[sr\] where there are any.
+    /// Makes the schedule of pictures by `sampling` under `others` lights and, if `extent` is given, surroundings whose
+    /// light comes from this solid angle \[sr\].
     pub fn new(others: usize, extent: Option<f64>, sampling: &Sampling) -> Self {
         let even = extent.is_some_and(|extent| extent >= ALL_AROUND);
         let enough = others > 0 && sampling.count >= FEWEST * EVERY;
@@ -70,12 +73,12 @@ impl LightSchedule {
         Self { sampling: *sampling, lights, seldom }
     }
 
-    /// Samples that are drawn together, but for the last of a picture.
+    /// Returns the number of samples drawn together; the last group of a picture may have fewer.
     fn group_size(&self) -> u32 {
         if self.seldom.is_some() { EVERY } else { 1 }
     }
 
-    /// What is drawn after the first `before` samples, which are of whole groups.
+    /// Returns the group after the first `before` samples, a number of whole groups.
     pub fn after(&self, before: u32) -> SampleGroup {
         let samples = self.group_size().min(self.sampling.count.max(1).saturating_sub(before));
         let lights = |index| all_lights(self.lights, self.sampling.sample(index));
@@ -86,16 +89,16 @@ impl LightSchedule {
         SampleGroup { passes, samples }
     }
 
-    /// All groups of a picture.
+    /// Iterates over all groups of a picture.
     pub fn groups(&self) -> impl Iterator<Item = SampleGroup> {
         let firsts = (0..self.sampling.count.max(1)).step_by(self.group_size() as usize);
         firsts.map(|before| self.after(before))
     }
 
-    /// The surroundings, light number `light`, in group number `group`.
+    /// Returns the pass of the surroundings, light number `light`, in group number `group`.
     ///
-    /// They look at the places of the first samples, one group after the other: those are as evenly spread over the pixel as all are, where every
-    /// fourth would be of one quarter of it. And what they cover the lights have covered before.
+    /// The groups use the pixel positions of the first samples in order, which are spread evenly over the pixel. Every
+    /// fourth position would lie in one quarter of it. The other lights have counted the covered pixels already.
     fn surroundings(&self, light: usize, group: u32) -> LightPass {
         let count = self.sampling.count.div_ceil(EVERY);
         let sample = Sample { count, ..self.sampling.sample(group) };
@@ -109,7 +112,7 @@ mod tests {
     use super::*;
     use crate::scene::Environment;
 
-    /// Of a picture under so many lights, below a sky where it is surrounded.
+    /// Returns the schedule under `others` lights, with a sky if `surrounded`.
     fn schedule(others: usize, surrounded: bool, sampling: &Sampling) -> LightSchedule {
         LightSchedule::new(others, surrounded.then_some(6.0), sampling)
     }

@@ -1,8 +1,8 @@
-//! Joins optics and Vulkan: the layers as a texture, the tables that the shaders read, passes, frames, targets. Only this
-//! floor knows both sides.
+//! Rendering: joins optics and Vulkan. Contains the layers as textures, the tables of the shaders, passes, frames and
+//! targets. No other module uses both sides.
 
 pub mod accumulate;
-mod around;
+mod background;
 pub mod device_brdf;
 pub mod device_mesh;
 pub mod directions;
@@ -14,10 +14,10 @@ pub mod frame_set;
 pub mod grooves;
 pub mod light_passes;
 pub mod object;
-pub mod picture;
 pub mod pigment;
 pub mod rays;
 pub mod reference_picture;
+pub mod renderer;
 pub mod sampling;
 pub mod sequence;
 pub mod shading;
@@ -27,7 +27,7 @@ mod surroundings;
 pub mod tables;
 pub mod target;
 pub mod upload;
-pub mod window;
+pub mod window_pass;
 
 /// SPIR-V of a shader, by the name of its file.
 macro_rules! shader {

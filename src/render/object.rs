@@ -1,4 +1,4 @@
-//! An object of a scene: what it is shaded from, and on the device its mesh and what the frame is for it.
+//! Object of a scene: its data sources, and on the device its mesh and its frame set.
 
 use super::device_mesh::DeviceMesh;
 use super::frame_set::{FrameBlock, FrameSet};
@@ -8,59 +8,68 @@ use super::shading::Shading;
 use super::source::Source;
 use super::target::Geometry;
 use crate::error::Result;
-use crate::scene::{Grooves, Mesh, Scene};
+use crate::scene::{Mesh, Object, Scene};
 use crate::vk::device::Device;
 use glam::Vec3;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What an object is drawn from.
+/// Data that an object is drawn from.
 #[derive(Clone, Copy)]
 pub struct ObjectData<'a> {
     /// Its mesh.
     pub mesh: &'a Mesh,
     /// Its pigment texture.
     pub pigment: &'a Pigment,
-    /// How the patch lies on the mesh.
+    /// Orientation of the patch on the mesh.
     pub grooves: &'a GrooveDirections,
-    /// Albedo of its pigment; `None`: that of the view.
+    /// Albedo of its pigment; `None` for that of the view.
     pub base_color: Option<Vec3>,
-    /// Whether it casts shadows, where lights do.
+    /// True if it casts shadows from lights that do.
     pub casts_shadows: bool,
-    /// What it is shaded from.
+    /// Sources that it is shaded from.
     pub sources: &'a ObjectSources,
 }
 
-/// What an object is shaded from under one illuminant, that of `shading`.
+impl<'a> ObjectData<'a> {
+    /// Returns the data of an object whose patch lies along the mesh, and whose pigment has the albedo of the view.
+    pub fn new(mesh: &'a Mesh, pigment: &'a Pigment, sources: &'a ObjectSources) -> Self {
+        let grooves = GrooveDirections::along();
+        Self { mesh, pigment, grooves, base_color: None, casts_shadows: true, sources }
+    }
+}
+
+/// Source of an object under one illuminant, that of `shading`.
 #[derive(Clone)]
 pub struct ObjectSource {
-    /// What it is shaded from.
+    /// BRDF data.
     pub source: Source,
-    /// How it is shaded.
+    /// Settings of the optics.
     pub shading: Shading,
 }
 
-/// What an object is shaded from under all lights.
+/// Sources of an object under all lights.
 #[derive(Clone)]
 pub struct ObjectSources {
-    /// Under the lights without a spectrum of their own and the surroundings.
+    /// Source under the surroundings and the lights without a separate illuminant.
     pub own: ObjectSource,
-    /// Under the lights with a spectrum of their own, one for each other illuminant. Lights whose illuminant is not there count as without.
+    /// Sources under the lights with a separate illuminant, one for each. A light whose illuminant is missing here
+    /// uses `own`.
     pub under: Vec<ObjectSource>,
 }
 
 impl ObjectSources {
-    /// `source` shaded by `shading`, under all lights.
+    /// Returns `source`, shaded by `shading` under all lights.
     pub fn new(source: Source, shading: Shading) -> Self {
         Self { own: ObjectSource { source, shading }, under: Vec::new() }
     }
 
-    /// All of them, the own first.
+    /// Iterates over all sources, the default one first.
     pub fn all(&self) -> impl Iterator<Item = &ObjectSource> {
         std::iter::once(&self.own).chain(&self.under)
     }
 
-    /// Whether this could take over what a device holds for `other`: everything that takes long to upload or compile is the same.
+    /// Returns true if the data and pipelines on the device for `other` can be reused: everything that is slow to
+    /// upload or compile is the same.
     pub fn shares_data_with(&self, other: &Self) -> bool {
         let same = |(own, other): (&ObjectSource, &ObjectSource)| {
             own.source.shares_data_with(&other.source)
@@ -70,55 +79,59 @@ impl ObjectSources {
     }
 }
 
-/// What is read for an object beside its mesh and its surface.
+/// Files that are read for an object in addition to its mesh and its surface.
 pub struct ObjectTextures {
-    /// Its pigment texture, white where it has none.
+    /// Pigment texture, white if there is none.
     pub pigment: Pigment,
-    /// How the patch lies on the mesh.
+    /// Orientation of the patch on the mesh.
     pub grooves: GrooveDirections,
 }
 
 impl ObjectTextures {
-    /// Those of all objects of `scene`, the first object first.
+    /// Reads the textures of all objects of `scene`, in their order.
     ///
     /// # Errors
-    /// A picture that cannot be read.
+    /// Fails if a picture cannot be read.
     pub fn of(scene: &Scene) -> Result<Vec<Self>> {
-        let first = (&scene.pigment, &scene.grooves);
-        let others = scene.objects.iter().map(|object| (&object.pigment, &object.grooves));
-        let read = |(pigment, grooves): (&Option<PathBuf>, &Grooves)| {
-            let pigment = pigment.as_deref().map(Pigment::read).transpose()?;
-            let grooves = GrooveDirections::of(grooves)?;
+        let read = |object: &Object| {
+            let pigment = object.pigment.as_deref().map(Pigment::read).transpose()?;
+            let grooves = GrooveDirections::of(&object.grooves)?;
             Ok(Self { pigment: pigment.unwrap_or_else(Pigment::white), grooves })
         };
-        std::iter::once(first).chain(others).map(read).collect()
+        scene.objects.iter().map(read).collect()
     }
 }
 
-/// What the objects of `scene` are drawn from, with what was read for them and what each is shaded from, the first object first.
+/// Returns the draw data of the objects of `scene`, with their `textures` and `sources`, in their order.
 pub fn objects<'a>(
     scene: &'a Scene,
     textures: &'a [ObjectTextures],
     sources: impl IntoIterator<Item = &'a ObjectSources>,
 ) -> Vec<ObjectData<'a>> {
-    let others = scene.objects.iter().map(|o| (&o.mesh, Some(o.base_color), !o.is_ground));
-    let meshes = std::iter::once((&scene.mesh, None, true)).chain(others);
-    let object = |(((mesh, base_color, casts_shadows), own), sources): ((_, &'a ObjectTextures), _)| {
-        let ObjectTextures { pigment, grooves } = own;
-        ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources }
+    let objects = scene.objects.iter().enumerate().zip(textures).zip(sources);
+    let data = |(((number, object), textures), sources): ((_, &'a ObjectTextures), _)| {
+        let object: &'a Object = object;
+        ObjectData {
+            mesh: &object.mesh,
+            pigment: &textures.pigment,
+            grooves: &textures.grooves,
+            base_color: (number > 0).then_some(object.base_color),
+            casts_shadows: !object.is_ground,
+            sources,
+        }
     };
-    meshes.zip(textures).zip(sources).map(object).collect()
+    objects.map(data).collect()
 }
 
-/// An object on the device.
+/// Object on the device.
 pub struct DeviceObject {
     /// Its mesh.
     pub mesh: DeviceMesh,
-    /// The frame, with its own pigment.
+    /// Frame set, with the pigment of the object.
     pub frame: FrameSet,
-    /// How the patch lies on the mesh.
+    /// Orientation of the patch on the mesh.
     pub layout: Layout,
-    /// Whether it casts shadows, where lights do.
+    /// True if it casts shadows from lights that do.
     pub casts_shadows: bool,
     turn: [f32; 2],
     base_color: Option<Vec3>,
@@ -126,10 +139,10 @@ pub struct DeviceObject {
 }
 
 impl DeviceObject {
-    /// Uploads `data`, for frames with what `geometry` holds.
+    /// Uploads `data`, for frames with the images of `geometry`.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, data: &ObjectData<'_>, geometry: &Geometry) -> Result<Self> {
         Ok(Self {
             mesh: DeviceMesh::new(device, data.mesh)?,
@@ -142,7 +155,8 @@ impl DeviceObject {
         })
     }
 
-    /// `block`, which is that of the view, for this object, whose specular order spreads over this variance of (u, v).
+    /// Adapts `block`, the block of the view, to this object, whose specular order has the variance `specular_spread`
+    /// of (u, v).
     pub fn block(&self, mut block: FrameBlock, specular_spread: f32) -> FrameBlock {
         block.surroundings[3] = specular_spread;
         block.grooves = [self.turn[0], self.turn[1], 0.0, 0.0];
@@ -150,7 +164,7 @@ impl DeviceObject {
             block.base_color = color.extend(1.0).to_array();
         }
         if !self.textured {
-            // There are no albedos to read.
+            // No albedo image is read.
             block.base_color[3] = 0.0;
         }
         block

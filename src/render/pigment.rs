@@ -1,4 +1,4 @@
-//! The pigment below what a surface reflects: a texture from a picture file.
+//! Pigment below the reflecting surface: a texture from a picture file.
 
 use crate::error::Result;
 use crate::input::PictureFile;
@@ -18,35 +18,35 @@ pub struct Pigment {
 }
 
 impl Pigment {
-    /// One white texel: no pigment texture.
+    /// Returns one white texel: no pigment texture.
     pub fn white() -> Self {
         Self { size: [1, 1], texels: vec![255; 4] }
     }
 
-    /// Whether it is anything but white all over, as far as one texel tells.
+    /// Returns true unless the texture is a single white texel.
     pub fn is_textured(&self) -> bool {
         self.size != [1, 1] || self.texels != [255; 4]
     }
 
-    /// The picture in the file `path`.
+    /// Reads the picture in the file `path`.
     ///
     /// # Errors
-    /// Where it is no PNG or TIFF of a sensible size.
+    /// Fails if it is not a PNG or TIFF picture of a valid size.
     pub fn read(path: &Path) -> Result<Self> {
         Self::from_bytes(&PIGMENT.read(path)?).map_err(|e| e.at(path.display()))
     }
 
-    /// The picture in the bytes of a file.
+    /// Decodes the picture in the bytes of a file.
     ///
     /// # Errors
-    /// Where it is no PNG or TIFF of a sensible size.
+    /// Fails if it is not a PNG or TIFF picture of a valid size.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let picture = PIGMENT.decode(bytes)?.to_rgba8();
         Ok(Self { size: [picture.width(), picture.height()], texels: picture.into_raw() })
     }
 }
 
-/// What a pigment texture is.
+/// Accepted files of a pigment texture.
 const PIGMENT: PictureFile = PictureFile {
     formats: &[ImageFormat::Png, ImageFormat::Tiff],
     names: "neither PNG nor TIFF",

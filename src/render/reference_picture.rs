@@ -1,5 +1,5 @@
-//! The picture that f64 optics give for directions: for those that a frame shaded, so that only shading differs, or for those of rays that are cast in
-//! f64 ([`super::rays`]), so that everything does.
+//! Reference pictures by f64 optics: for the directions that a frame shaded, so that only shading differs, or for
+//! directions of rays cast in f64 ([`super::rays`]), so that all steps are independent.
 
 use super::directions::Directions;
 use super::frame::{Shown, View};
@@ -22,11 +22,11 @@ use crate::surface::HeightField;
 use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
 
-/// Shades `directions` (one entry per light of `view`) in f64. RGBA as [`super::picture::Picture::radiance`]. A pigment
-/// texture does not count.
+/// Shades `directions` (one entry per light of `view`) in f64. Returns RGBA as [`super::renderer::Picture::radiance`]. A
+/// pigment texture is ignored.
 ///
 /// # Errors
-/// As [`nufft::cosine_weighted_xyz`].
+/// Same as [`nufft::cosine_weighted_xyz`].
 pub fn reference_picture(
     field: &HeightField,
     shading: &Shading,
@@ -43,10 +43,10 @@ pub fn reference_picture(
     Ok(picture)
 }
 
-/// Linear sRGB of the pixels number `pixels` of a frame, as [`reference_picture`] has them.
+/// Returns the linear sRGB colours of the pixels with the numbers `pixels`, as [`reference_picture`] computes them.
 ///
 /// # Errors
-/// As [`PixelReference::new`] and [`PixelReference::colors`].
+/// Same as [`PixelReference::new`] and [`PixelReference::colors`].
 pub fn reference_pixels(
     field: &HeightField,
     shading: &Shading,
@@ -58,7 +58,7 @@ pub fn reference_pixels(
     PixelReference::new(field, shading, progress)?.colors(view, directions, pixels, progress)
 }
 
-/// What shades pixels in f64.
+/// Shades pixels in f64.
 pub struct PixelReference<'a> {
     shading: &'a Shading,
     by: By<'a>,
@@ -67,23 +67,23 @@ pub struct PixelReference<'a> {
 enum By<'a> {
     Windows(Reference<'a>),
     Mean(Box<TabulatedMean<'a>>),
-    // The pigment is seen alone.
+    // The pigment alone is visible.
     Nothing,
 }
 
 impl<'a> PixelReference<'a> {
-    /// For `field` under `shading`.
+    /// Makes the reference of `field` under `shading`.
     ///
     /// # Errors
-    /// Where memory does not suffice; what `progress` returns.
+    /// Fails if there is not enough memory, or with the error of `progress`.
     pub fn new(field: &'a HeightField, shading: &'a Shading, progress: Progress<'_>) -> Result<Self> {
         Self::with_sampling(field, shading, ColourSampling::EXACT, progress)
     }
 
-    /// Makes the reference of `field` under `shading`, whose colours of the mean are summed by `sampling`.
+    /// Makes the reference of `field` under `shading`; the colours of the mean are summed by `sampling`.
     ///
     /// # Errors
-    /// As [`PixelReference::new`].
+    /// Same as [`PixelReference::new`].
     pub fn with_sampling(
         field: &'a HeightField,
         shading: &'a Shading,
@@ -108,16 +108,16 @@ impl<'a> PixelReference<'a> {
         Ok(Self { shading, by })
     }
 
-    /// What shades pixels of an object that diffracts nothing.
+    /// Makes the reference of an object that does not diffract.
     pub fn of_pigment(shading: &'a Shading) -> Self {
         Self { shading, by: By::Nothing }
     }
 
-    /// Linear sRGB of the pixels number `pixels` of a frame. The mean is averaged over the footprints that `directions` have; through windows
-    /// each pixel is its centre.
+    /// Returns the linear sRGB colours of the pixels with the numbers `pixels`. The mean is averaged over the
+    /// footprints in `directions`; a sum through windows is evaluated at the direction of the pixel centre.
     ///
     /// # Errors
-    /// As [`nufft::cosine_weighted_xyz`].
+    /// Same as [`nufft::cosine_weighted_xyz`].
     pub fn colors(
         &self,
         view: &View,
@@ -152,7 +152,8 @@ impl<'a> PixelReference<'a> {
         Ok(colors)
     }
 
-    /// f \[sr⁻¹\] of `pair` at each of `wavelengths` \[µm\], not averaged over a footprint; 0 below the horizon.
+    /// Returns f \[sr⁻¹\] of `pair` at each of `wavelengths` \[µm\], not averaged over a footprint; 0 below the
+    /// horizon.
     pub fn spectrum(&self, pair: &Pair, wavelengths: &[f64]) -> Vec<f64> {
         let at = |&wavelength: &f64| match &self.by {
             By::Mean(mean) => {
@@ -165,10 +166,11 @@ impl<'a> PixelReference<'a> {
         wavelengths.iter().map(at).collect()
     }
 
-    /// XYZ of f \[sr⁻¹\] of `pair` in a light of this `illuminant`, or in that of the shading; not averaged over a footprint; 0 below the horizon.
+    /// Returns XYZ of f \[sr⁻¹\] of `pair` under `illuminant`, or by default under that of the shading; not averaged
+    /// over a footprint; 0 below the horizon.
     ///
     /// # Errors
-    /// Where the colour takes too many wavelengths.
+    /// Fails if the colour needs too many wavelengths.
     pub fn xyz(&self, pair: &Pair, illuminant: Option<&Illuminant>) -> Result<DVec3> {
         let illuminant = illuminant.unwrap_or(&self.shading.illuminant);
         let weighted = match &self.by {
@@ -182,7 +184,7 @@ impl<'a> PixelReference<'a> {
         Ok(without_cosine(pair, weighted))
     }
 
-    /// XYZ of f cos θ_i \[sr⁻¹\] of the pairs of `seen` that are `asked` for.
+    /// Returns XYZ of f cos θ_i \[sr⁻¹\] of the `asked` pairs of `seen`.
     fn diffracted(
         &self,
         seen: &Directions,
@@ -204,7 +206,7 @@ impl<'a> PixelReference<'a> {
         }
     }
 
-    /// Adds what the specular order sends on of the surroundings to the `colors` of `pixels`.
+    /// Adds the reflection of the surroundings by the specular order to the `colors` of `pixels`.
     fn add_mirrored(&self, seen: &Directions, pixels: &[usize], colors: &mut [DVec3]) {
         let By::Mean(mean) = &self.by else { return };
         if seen.mirrored.is_empty() {
@@ -218,18 +220,19 @@ impl<'a> PixelReference<'a> {
     }
 }
 
-/// The pixels that the mesh covers.
+/// Returns the numbers of the covered pixels.
 pub fn covered(directions: &[Directions]) -> Vec<usize> {
     let pixels = directions.first().map_or(0, |seen| seen.view.len());
     (0..pixels).filter(|&i| directions.iter().any(|seen| seen.view[i][3] != 0.0)).collect()
 }
 
-/// What a display shows of `radiance`, whose colours are premultiplied by their alpha, by the f64 twin of the display pass.
+/// Returns the displayed picture of `radiance`, premultiplied by alpha; the f64 twin of the display pass.
 pub fn displayed(radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
     displayed_before(radiance, shown, &|_| shown.background)
 }
 
-/// The same before the surroundings of `view`, of `size` pixels, where it shows them.
+/// Returns the displayed picture over the surroundings of `view`, for `size` pixels; without surroundings, as
+/// [`displayed`].
 pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: Shown) -> Vec<[u8; 4]> {
     let Some(environment) = view.background() else {
         return displayed(radiance, shown);
@@ -237,14 +240,14 @@ pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: S
     let world = view.clip_from_world(size).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();
     displayed_before(radiance, shown, &|i| {
-        /// Any depth: the ray from the eye is the same.
+        /// Any depth gives the same ray from the eye.
         const DEPTH: f64 = 0.5;
         let toward = (world.project_point3(pixel_in_clip(i, size).extend(DEPTH)) - eye).normalize();
         shown.tone.map(environment.radiance(toward) * shown.exposure.exp2())
     })
 }
 
-/// `background`: linear sRGB behind each pixel, as it is displayed.
+/// Displays `radiance` over `background`, which returns the displayed linear sRGB colour behind each pixel.
 fn displayed_before(
     radiance: &[[f32; 4]],
     shown: Shown,
@@ -264,30 +267,30 @@ fn displayed_before(
     radiance.iter().enumerate().map(code).collect()
 }
 
-/// An object in f64.
+/// Object shaded in f64.
 pub struct ReferenceObject<'a> {
-    /// Its height field; `None`: it diffracts nothing.
+    /// Height field; `None` for an object that does not diffract.
     pub field: Option<&'a HeightField>,
-    /// How it is shaded.
+    /// Settings of the optics.
     pub shading: &'a Shading,
-    /// Albedo of its pigment, linear sRGB.
+    /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
 }
 
-/// A reference picture of several samples.
+/// Settings of a reference picture of several samples.
 #[derive(Clone, Copy)]
 pub struct ReferenceSamples<'a> {
-    /// The samples.
+    /// Samples.
     pub sampling: &'a Sampling,
     /// Width and height of the picture \[pixels\].
     pub size: [u32; 2],
-    /// Whether a pixel, by its number, is wanted; the others stay empty.
+    /// Predicate of the pixels to compute, by pixel number; the others stay empty.
     pub chosen: &'a dyn Fn(usize) -> bool,
 }
 
 impl ReferenceSamples<'_> {
-    /// The pixel number `pixel` and those around it: their numbers, and what a sample of each counts for it by `weights`. Beside the picture is what its
-    /// last row or column has.
+    /// Returns the pixel number `pixel` and its eight neighbours, each with the weight in `weights` of its sample for
+    /// the pixel. Reads outside the picture are clamped to its edge.
     fn around(&self, pixel: usize, weights: &PixelWeights) -> [(usize, f64); 9] {
         let [width, height] = self.size.map(|n| n as usize);
         let (x, y) = (pixel % width, pixel / width);
@@ -299,17 +302,17 @@ impl ReferenceSamples<'_> {
         })
     }
 
-    /// Whether the sample of a pixel counts for one that is chosen.
+    /// Returns true if the sample of `pixel` has weight for a chosen pixel.
     fn counts(&self, pixel: usize, weights: &PixelWeights) -> bool {
         self.around(pixel, weights).iter().any(|(other, weight)| *weight > 0.0 && (self.chosen)(*other))
     }
 }
 
-/// The mean of samples of `objects`, each shaded in f64. `directions` gives those of a pass. RGBA as [`super::picture::Picture::radiance`]. The mean over
-/// windows is averaged over the footprint of each sample.
+/// Returns the mean of samples of `objects`, shaded in f64, as RGBA like [`super::renderer::Picture::radiance`].
+/// `directions` returns the directions of a pass. The mean over windows is averaged over the footprint of each sample.
 ///
 /// # Errors
-/// As [`nufft::cosine_weighted_xyz`], and what `directions` returns.
+/// Same as [`nufft::cosine_weighted_xyz`], or the error of `directions`.
 pub fn reference_mean(
     objects: &[ReferenceObject<'_>],
     view: &View,
@@ -359,7 +362,7 @@ pub fn reference_mean(
     Ok(sum.into_iter().map(|pixel| (pixel / f64::from(count)).as_vec4().to_array()).collect())
 }
 
-/// A direction of the frame, in f64 and of unit length to its last bit.
+/// Returns a direction of the frame in f64, normalised to full precision.
 pub fn unit([x, y, z, _]: [f32; 4]) -> DVec3 {
     DVec3::new(x.into(), y.into(), z.into()).normalize_or_zero()
 }

@@ -1,50 +1,54 @@
-//! Samples of a picture: where in the pixel each one looks, for which pixels it counts, and the low-discrepancy sequence that everything random
-//! about it comes from.
+//! Samples of a picture: their positions in the pixel, their weights for the neighbouring pixels, and the
+//! low-discrepancy sequence behind all random choices.
 //!
-//! A pixel shows the mean over a filter of standard deviation ½ pixel, the quadratic B-spline in the limit of many samples. The filter is shared: shading
-//! averages over the pixel's footprint (a Gaussian of standard deviation σ_f), and the samples around the pixel's centre count by weights of variance
-//! σ_r², σ_f² + σ_r² = ¼ pixel². Variances of blurs add.
+//! A pixel shows the mean over a filter of standard deviation ½ pixel; for many samples this filter is the quadratic
+//! B-spline. Two steps share it: shading averages over the pixel's footprint (a Gaussian of standard deviation σ_f),
+//! and the samples around the pixel's centre have weights of variance σ_r², where σ_f² + σ_r² = ¼ pixel². Variances of
+//! successive blurs add.
 //!
-//! A footprint is exact where (u, v) is linear in the pixel, and knows neither edges nor curvature; samples are exact, but noisy. So the part
-//! of the footprint falls as samples are added, and pictures converge to what samples alone give. A sample looks anywhere in its pixel, and counts for the
-//! pixels beside it, too: so each pixel has the mean of more samples than are drawn in it.
+//! A footprint is exact if (u, v) is linear in the pixel, and ignores edges and curvature; samples are exact but noisy.
+//! The share of the footprint therefore decreases with the number of samples, and pictures converge to the result of
+//! samples alone. A sample lies anywhere in its pixel and also has weight for the neighbouring pixels, so that each
+//! pixel averages more samples than are drawn in it.
 
 use super::frame_set::SampleBlock;
 use crate::random::Random;
 
 /// Variance of the pixel filter along each axis \[pixel²\], that of the quadratic B-spline.
 const FILTER_VARIANCE: f64 = 0.25;
-/// Variance of an even weight over a pixel \[pixel²\].
+/// Variance of a uniform weight over a pixel \[pixel²\].
 const BOX_VARIANCE: f64 = 1.0 / 12.0;
-/// K: of N samples each averages over K/(N + K − 1) of the filter's variance, a single one over all of it.
+/// K: the footprint of each of N samples has K/(N + K − 1) of the filter's variance; that of a single sample has all of
+/// it.
 ///
-/// Less makes noise, and more leaves an error of the footprint that no number of samples takes away: the best of those that were measured at 16 and at 64
-/// samples (docs/decisions/0016-samples-count-for-neighbouring-pixels.md).
+/// A smaller K makes more noise, and a larger one leaves an error of the footprint that no number of samples removes.
+/// This value was the best of those measured at 16 and at 64 samples
+/// (docs/decisions/0016-samples-count-for-neighbouring-pixels.md).
 const SHARED_SAMPLES: f64 = 2.0;
 /// Bits of a point of the sequence.
 const BITS: u32 = u32::BITS;
 
-/// The samples that a picture is the mean of.
+/// Number and seed of the samples whose mean is the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
     /// Number of samples, at least 1.
     pub count: u32,
-    /// Which of the scrambled sequences they follow.
+    /// Seed of the scrambled sequence.
     pub seed: u64,
 }
 
 /// One sample of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Its number, from 0.
+    /// Number of the sample, from 0.
     pub index: u32,
     /// Number of samples in the picture.
     pub count: u32,
-    /// Which of the scrambled sequences it belongs to.
+    /// Seed of the scrambled sequence.
     pub seed: u64,
-    /// What the sample looks at, from the pixel's centre: x to the right, y downward, −½ … ½ \[pixels\].
+    /// Position from the pixel's centre: x to the right, y downward, −½ … ½ \[pixels\].
     pub jitter: [f64; 2],
-    /// As [`Sampling::footprint`].
+    /// Standard deviation σ_f, as [`Sampling::footprint`].
     pub footprint: f64,
 }
 
@@ -52,9 +56,9 @@ impl Sampling {
     /// One sample at the centre of each pixel, whose footprint is the whole filter.
     pub const ONE: Self = Self { count: 1, seed: 0 };
 
-    /// Sample number `index` of the picture.
+    /// Returns sample number `index` of the picture.
     pub fn sample(&self, index: u32) -> Sample {
-        // A single sample is the same whatever the seed.
+        // A single sample does not depend on the seed.
         let seed = if self.count > 1 { self.seed } else { Self::ONE.seed };
         let mut sample =
             Sample { index, count: self.count, seed, jitter: [0.0; 2], footprint: self.footprint() };
@@ -64,42 +68,45 @@ impl Sampling {
         sample
     }
 
-    /// As many samples as there can be that average over at least half of the filter's variance each, at most [`Self::count`].
+    /// Returns the sampling with the largest number of samples, at most [`Self::count`], whose footprints keep at least
+    /// half of the filter's variance.
     #[must_use]
     pub fn with_large_footprints(&self) -> Self {
         const HALF: u32 = (SHARED_SAMPLES + 1.0) as u32;
         Self { count: self.count.min(HALF), ..*self }
     }
 
-    /// σ_f: standard deviation of the part of the pixel filter that shading averages over \[pixels\].
+    /// Returns σ_f: the standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub fn footprint(&self) -> f64 {
         let share = SHARED_SAMPLES / (f64::from(self.count.max(1)) + SHARED_SAMPLES - 1.0);
         (share * FILTER_VARIANCE).sqrt()
     }
 }
 
-/// How much the samples of a pixel, and those of the eight pixels around it, count for it: the product of two weights. Along each axis the three
-/// add up to 1.
+/// Weights of the samples of a pixel and of its eight neighbours for that pixel. A weight is the product of one factor
+/// per axis; the three factors of an axis sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelWeights {
-    /// Of the pixel to the left, of the same column, and of the pixel to the right.
+    /// Factors of the left neighbour, of the same column, and of the right neighbour.
     pub across: [f64; 3],
-    /// Of the row above, of the same row, and of the row below.
+    /// Factors of the row above, of the same row, and of the row below.
     pub down: [f64; 3],
 }
 
 impl PixelWeights {
-    /// A sample that counts for its own pixel alone.
+    /// Weights of a sample for its pixel alone.
     pub const OWN: Self = Self { across: [0.0, 1.0, 0.0], down: [0.0, 1.0, 0.0] };
 }
 
 impl Sample {
-    /// Coordinate `dimension` of this sample's point, uniform in 0 … 1, both excluded. Dimensions 0 and 1 are the place in the pixel.
+    /// Returns coordinate `dimension` of this sample's point, uniform in (0, 1). Dimensions 0 and 1 are the position in
+    /// the pixel.
     ///
-    /// Dimensions 2d and 2d + 1 together are the first two dimensions of Sobol's sequence, a (0, 2)-sequence in base 2: of 2^k
-    /// consecutive points each elementary interval of area 2^−k holds one. Each pair of dimensions has a shuffled order and an
-    /// Owen scrambling of its own (Owen 1995, "Randomly permuted (t,m,s)-nets"; Burley 2020, "Practical Hash-based Owen
-    /// Scrambling", for the padding of pairs), so that pairs are independent of each other.
+    /// Dimensions 2d and 2d + 1 together are the first two dimensions of Sobol's sequence, a (0, 2)-sequence in base 2:
+    /// each elementary interval of area 2^−k contains one of 2^k consecutive points. The order of the points is
+    /// shuffled for each pair of dimensions, and each dimension is scrambled separately (Owen 1995, "Randomly permuted
+    /// (t,m,s)-nets"; Burley 2020, "Practical Hash-based Owen Scrambling", for the padding of pairs), so that pairs are
+    /// independent of each other.
     pub fn point(&self, dimension: u32) -> f64 {
         let order = hash(&[self.seed, 0, u64::from(dimension / 2)]);
         let index = scrambled(self.index, order); // within aligned blocks of 2^k
@@ -108,26 +115,28 @@ impl Sample {
         (f64::from(scrambled(bits, own)) + 0.5) / 2f64.powi(BITS as i32)
     }
 
-    /// Dimensions 2·`pair` and 2·`pair` + 1 of [`Sample::point`].
+    /// Returns dimensions 2·`pair` and 2·`pair` + 1 of [`Sample::point`].
     pub fn pair(&self, pair: u32) -> [f64; 2] {
         [self.point(2 * pair), self.point(2 * pair + 1)]
     }
 
-    /// Its place, 0 … count − 1, among the parts of what all samples share out, one part each. The first 2^k of 2^n samples have parts that are evenly
-    /// apart. It is independent of the coordinates of [`Sample::point`].
+    /// Returns the rank of the sample, 0 … count − 1, for stratification over all samples. The ranks of the first 2^k
+    /// of 2^n samples are equally spaced. The rank is independent of the coordinates of [`Sample::point`].
     pub fn rank(&self) -> u32 {
         let bits = self.count.next_power_of_two().trailing_zeros();
         let own = hash(&[self.seed, 2]);
         let ranked = |index: u32| (u64::from(scrambled(index.reverse_bits(), own)) >> (BITS - bits)) as u32;
-        // A permutation of 2^n places; one beyond the last is sent on until it is not.
+        // A permutation of 2^n ranks; a rank beyond the last is mapped again until it is in range.
         std::iter::successors(Some(ranked(self.index)), |rank| Some(ranked(*rank)))
             .find(|rank| *rank < self.count)
             .unwrap_or(0)
     }
 
-    /// Returns the weights of the sample: a mixture of the quadratic B-spline and of the box over its own pixel, whose variance is the part of the
-    /// filter's that the footprint leaves. Both are partitions of unity, so that every place of the picture counts alike, and the weights of a sample add
-    /// up to 1 (Unser, "Splines: a perfect fit for signal and image processing", 1999). A footprint of two thirds of the filter or more leaves the box alone.
+    /// Returns the weights of the sample: a mixture of the quadratic B-spline and of the box over the sample's pixel,
+    /// with the variance that the footprint leaves of the filter. Both are partitions of unity, so that all positions
+    /// of the picture have equal weight and the weights of a sample sum to 1 (Unser, "Splines: a perfect fit for signal
+    /// and image processing", 1999). With a footprint of two thirds of the filter or more, the weights are the box
+    /// alone.
     pub fn weights(&self) -> PixelWeights {
         let left = FILTER_VARIANCE - self.footprint.powi(2);
         let spline = ((left - BOX_VARIANCE) / (FILTER_VARIANCE - BOX_VARIANCE)).max(0.0);
@@ -139,7 +148,7 @@ impl Sample {
         PixelWeights { across: along(self.jitter[0]), down: along(self.jitter[1]) }
     }
 
-    /// The sample as shaders see it. They have the low bits of the seed.
+    /// Returns the sample as shaders read it, with the low bits of the seed.
     pub fn block(&self) -> SampleBlock {
         SampleBlock {
             jitter: self.jitter.map(|x| x as f32),
@@ -162,7 +171,7 @@ fn quadratic_spline(x: f64) -> f64 {
     }
 }
 
-/// The second dimension of Sobol's sequence, as a binary fraction of 32 bits.
+/// Returns the second dimension of Sobol's sequence, as a binary fraction of 32 bits.
 fn second_of_sobol(index: u32) -> u32 {
     let mut direction = 1 << (BITS - 1);
     let mut bits = 0;
@@ -175,8 +184,8 @@ fn second_of_sobol(index: u32) -> u32 {
     bits
 }
 
-/// Owen's nested uniform scrambling of a binary fraction of 32 bits: a bit is flipped or not by a random choice of its own for each value
-/// of the bits above it.
+/// Applies Owen's nested uniform scrambling to a binary fraction of 32 bits: each bit is flipped or not by a random
+/// choice that depends on the bits above it.
 fn scrambled(bits: u32, seed: u64) -> u32 {
     (0..BITS).fold(0, |result, place| {
         let above = u64::from(bits) >> (BITS - place);
@@ -185,7 +194,7 @@ fn scrambled(bits: u32, seed: u64) -> u32 {
     })
 }
 
-/// A well-mixed number for each list of numbers.
+/// Hashes a list of numbers to a well-mixed number.
 fn hash(numbers: &[u64]) -> u64 {
     numbers.iter().fold(0, |state, number| Random::new(state ^ number).bits())
 }
@@ -228,7 +237,7 @@ mod tests {
         assert_eq!((only.jitter, only.weights()), ([0.0; 2], PixelWeights::OWN));
     }
 
-    /// Mean and variance along each axis of where the samples look that count for a pixel, by what they count.
+    /// Returns mean and variance along each axis of the sample positions that contribute to a pixel, by weight.
     fn moments(sampling: Sampling) -> [[f64; 2]; 2] {
         let samples: Vec<Sample> = (0..sampling.count).map(|index| sampling.sample(index)).collect();
         [0, 1].map(|axis| {
@@ -249,8 +258,8 @@ mod tests {
     #[test]
     fn samples_count_by_the_rest_of_the_filter_along_each_axis() {
         for seed in 0..8 {
-            // An integral over a scrambled (0, 2)-net converges faster than that over independent points, whose standard deviations
-            // these bounds are: √(s²/N) for the mean and s²·√(2/N) for the variance s².
+            // An integral over a scrambled (0, 2)-net converges faster than one over independent points, whose standard
+            // deviations are these bounds: √(s²/N) for the mean and s²·√(2/N) for the variance s².
             for count in [4, 16, 64, 256, 4096] {
                 let sampling = Sampling { count, seed };
                 let rest = 0.25 - sampling.footprint().powi(2);
@@ -264,9 +273,10 @@ mod tests {
         }
     }
 
-    /// What a pixel's filter is at the distance `x`: weights of evenly spread samples, as a density over places.
+    /// Returns the filter of a pixel at the distance `x`: the weights of evenly spread samples as a density over
+    /// positions.
     fn filter_at(x: f64, sampling: Sampling) -> f64 {
-        // The sample at x lies in the pixel `pixel` away, and jittered within it.
+        // The sample at x lies in the pixel `pixel` away, with this jitter.
         let pixel = x.round();
         let sample = Sample { jitter: [x - pixel, 0.0], ..sampling.sample(0) };
         let place = (pixel + 1.0) as usize;
@@ -286,11 +296,11 @@ mod tests {
             let variance: f64 =
                 places().map(|x| x * x * filter_at(x, sampling)).sum::<f64>() * 3.0 / STEPS as f64;
             let left = 0.25 - sampling.footprint().powi(2);
-            // Two samples and one count for their own pixel alone.
+            // With one or two samples the weights are the box alone.
             let expected = left.max(BOX_VARIANCE);
             assert!((variance - expected).abs() < 1e-5, "{count}: {variance} instead of {expected}");
         }
-        // The Gaussian of the same variance, cut at the same distance, is no partition of unity.
+        // The Gaussian of the same variance, cut off at the same distance, is no partition of unity.
         let gaussian = |x: f64| (-2.0 * x * x).exp() * (2.0 / std::f64::consts::PI).sqrt();
         let sum = |x: f64| [-1.0, 0.0, 1.0].map(|pixel| gaussian(x - pixel)).iter().sum::<f64>();
         assert!((sum(0.0) - sum(0.5)).abs() > 1e-3);

@@ -1,4 +1,4 @@
-//! Sequences of pictures: what moves from one picture to the next, and how their files are numbered.
+//! Sequences of pictures: the motion between pictures and the numbers in their file names.
 
 use super::frame::View;
 use crate::error::{Error, Result};
@@ -6,13 +6,13 @@ use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Fewest digits of the number in a file's name.
+/// Minimum number of digits in a file name.
 const DIGITS: usize = 4;
-/// Views that stand for a whole sequence, 30 degrees from one to the next. On the sphere under a turning light their finest footprints are 1.2
-/// times those of 36 views, and sources are made in octaves of that size.
+/// Views that represent a whole sequence, 30 degrees apart. On the sphere under a turning light their smallest
+/// footprints are 1.2 times those of 36 views, and sources are made in octaves of footprint size.
 const VIEWS: u32 = 12;
 
-/// What turns about the world's up.
+/// Rotation about the world's up axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// The camera, about its target.
@@ -21,22 +21,22 @@ pub enum Motion {
     LightSweep,
 }
 
-/// Pictures of one scene, each turned against the one before.
+/// Sequence of pictures of one scene that is rotated step by step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sequence {
-    /// What turns.
+    /// Rotated part.
     pub motion: Motion,
     /// Pictures in a whole turn.
     pub count: u32,
-    /// Those that are asked for.
+    /// Numbers of the pictures to draw.
     pub frames: Range<u32>,
 }
 
 impl Sequence {
-    /// Fails where nothing moves, as `first` has it.
+    /// Checks that something moves in the sequence that starts with `first`.
     ///
     /// # Errors
-    /// A sweep without lights.
+    /// Fails for a light sweep without lights.
     pub fn check(&self, first: &View) -> Result<()> {
         if self.motion == Motion::LightSweep && first.lights.is_empty() && first.environment.is_none() {
             return Err(Error::usage(
@@ -47,7 +47,7 @@ impl Sequence {
         Ok(())
     }
 
-    /// Picture number `frame`, where `first` is picture number 0.
+    /// Returns the view of picture number `frame`; `first` is the view of picture number 0.
     pub fn view(&self, first: &View, frame: u32) -> View {
         let degrees = 360.0 * f64::from(frame) / f64::from(self.count);
         let mut view = first.clone();
@@ -67,13 +67,14 @@ impl Sequence {
         view
     }
 
-    /// Views that stand for the whole sequence, whichever of its pictures are asked for: so all runs that share it draw from the same data.
+    /// Returns views that represent the whole sequence, independent of the pictures to draw, so that all runs of a
+    /// sequence use the same data.
     pub fn typical_views(&self, first: &View) -> Vec<View> {
         let views = self.count.min(VIEWS);
         (0..views).map(|place| self.view(first, place * self.count / views)).collect()
     }
 
-    /// The file of picture number `frame` where `output` is asked for: turn-0007.png for turn.png.
+    /// Returns the file name of picture number `frame` for `output`: turn-0007.png for turn.png.
     pub fn file(&self, output: &Path, frame: u32) -> PathBuf {
         let digits = DIGITS.max(self.count.saturating_sub(1).to_string().len());
         let mut name = OsString::from(output.file_stem().unwrap_or_default());
@@ -85,7 +86,7 @@ impl Sequence {
         output.with_file_name(name)
     }
 
-    /// The files of all pictures that are asked for.
+    /// Returns the file names of all pictures to draw.
     pub fn files(&self, output: &Path) -> Vec<PathBuf> {
         self.frames.clone().map(|frame| self.file(output, frame)).collect()
     }

@@ -1,4 +1,4 @@
-//! What is asked of the optics, whichever way it is computed.
+//! Settings of the optics, independent of the method.
 
 use crate::budget::{ErrorBudget, Purpose, Question};
 use crate::error::{Error, Remedy, Result};
@@ -16,42 +16,44 @@ use crate::vk::selection::Candidate;
 /// Settings of the optics, validated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shading {
-    /// What surrounds the patch.
+    /// Coherence of the light on the surface.
     pub coherence: Coherence,
     /// Positions of the window to average over.
     pub windows: Windows,
-    /// How the surface goes on beyond the patch, for the mean over all windows.
+    /// Continuation of the surface beyond the patch, for the mean over all windows.
     pub beyond: Beyond,
-    /// What the surface reflects.
+    /// Reflectance of the surface.
     pub reflectance: Reflectance,
-    /// The light's spectrum.
+    /// Spectrum of the light.
     pub illuminant: Illuminant,
     /// Relative error that the user accepts.
     pub tolerance: f64,
-    /// What the tolerance is promised for.
+    /// Quantity that the tolerance limits: pictures or single directions.
     pub purpose: Purpose,
-    /// By how much more than its share the sum over wavelengths may err: 1, or more for a glance.
+    /// Factor by which the sum over wavelengths may exceed its share of the tolerance: 1, or more for previews.
     pub looser_colours: f64,
-    /// Which expansion the layers hold.
+    /// Expansion of the layers.
     pub basis: Basis,
-    /// Terms of the expansion, where the user names them.
+    /// Terms of the expansion, if the user sets them.
     pub terms: Option<usize>,
-    /// Wavelengths of the colour integral, where the user names them.
+    /// Wavelengths of the colour integral, if the user sets them.
     pub wavelengths: Option<usize>,
 }
 
 impl Shading {
-    /// The same for the colours of a picture.
+    /// Returns these settings for the colours of a picture.
     pub fn for_pictures(self) -> Self {
         Self { purpose: Purpose::Picture, ..self }
     }
 
-    /// Variance of (u, v) over which coherence spreads the specular order in the middle of the spectrum; `None` for a finite grating.
+    /// Returns the variance of (u, v) of the specular order due to coherence, at the middle of the spectrum; `None` for
+    /// a finite grating.
     pub fn specular_spread(&self) -> Option<f64> {
         self.coherence.sigma().map(|sigma| Blur::of_coherence(sigma).variance[0] * MIDDLE.powi(2))
     }
 
-    /// Returns the shares of the tolerance, for pixels whose footprints are long beside what a table is blurred by, or not.
+    /// Returns the shares of the tolerance. `has_long_footprints`: the footprints of pixels are long compared with the
+    /// blur of a table.
     pub fn budget_of_footprints(&self, has_long_footprints: bool) -> ErrorBudget {
         let is_grating = self.coherence.sigma().is_none();
         let (purpose, looser_colours) = (self.purpose, self.looser_colours);
@@ -66,18 +68,20 @@ impl Shading {
         self.budget_of_footprints(false)
     }
 
-    /// The expansion for single directions of `field` where none is named: the thesis' own, which is exact at grazing angles, as long as
-    /// what 32-bit floats lose of its large terms is far below the budget; else the optimal one, which loses nothing.
+    /// Returns the default expansion for single directions of `field`: the Taylor series of the thesis, which is exact
+    /// at grazing angles, if the 32-bit rounding of its large terms is far below the budget, and otherwise the optimal
+    /// basis, which loses no digits.
     pub fn suited_basis(&self, field: &HeightField) -> Basis {
-        /// Rounding is bounded relative to the mirror's peak, while directions are judged relative to their own, fainter value.
+        /// The rounding bound is relative to the mirror peak, but errors of directions are relative to the
+        /// value itself, which is fainter.
         const FAR_BELOW: f64 = 0.02;
         let x = largest_z(SHORTEST) * HeightScale::of(field).half_range;
         let holds = rounding_bound(x, F32_ROUNDOFF) <= FAR_BELOW * self.budget().window.expansion;
         if holds { Basis::Taylor } else { Basis::Optimal }
     }
 
-    /// Returns the relative L2 error that one sample of a picture keeps: the tolerance, or what taps over footprints of the mean leave to further
-    /// samples. `None` where numbers of terms or wavelengths are set by hand.
+    /// Returns the relative L2 error bound of one sample of a picture: the tolerance, or for the mean over footprints
+    /// the error that remains before further samples are averaged. `None` if the user sets the terms or wavelengths.
     pub fn promised_of_one_sample(&self) -> Option<f64> {
         let by_hand = self.terms.is_some() || self.wavelengths.is_some();
         let promised = match self.windows {
@@ -106,14 +110,14 @@ impl Default for Shading {
     }
 }
 
-/// Share of the device's memory that the layers may take; pictures and the rest need some.
+/// Fraction of the device's memory for the layers; pictures and the rest share the remainder.
 const DEVICE_SHARE: f64 = 0.75;
 
 impl Shading {
-    /// Fails where wavelengths are named that repeats would not take.
+    /// Checks that no number of wavelengths is set for a finite grating, whose wavelengths follow from its orders.
     ///
     /// # Errors
-    /// With what to do.
+    /// Fails with a remedy.
     pub fn check_wavelengths(&self) -> Result<()> {
         if self.wavelengths.is_none() || self.coherence.sigma().is_some() {
             return Ok(());
@@ -124,11 +128,11 @@ impl Shading {
         ))
     }
 
-    /// Returns the settings of layers for wavelengths from `shortest` \[µm\] on `device`, through a Gaussian of standard deviation `sigma` \[µm\], or
-    /// of one period alone if that is infinite.
+    /// Returns the settings of layers for wavelengths from `shortest` \[µm\] on `device`, for a Gaussian window of
+    /// standard deviation `sigma` \[µm\], or for one period if `sigma` is infinite.
     ///
     /// # Errors
-    /// For what layers cannot do.
+    /// Fails if more than one window is to be averaged over.
     pub fn windowed_settings(&self, sigma: f64, shortest: f64, device: &Candidate) -> Result<LayerSettings> {
         if self.windows != Windows::ONE {
             return Err(Error::usage(

@@ -1,8 +1,9 @@
-//! Shadows: the depth of the mesh from each light. A map is drawn when its light has moved, not when the camera has. Samples move a light within its
-//! extent, so that they add up to soft shadows. The geometry pass compares with the map; the shaders are `shaders/shadow.vert` and `in_shadow` of
-//! `shaders/geometry.frag`.
+//! Shadows by depth maps from each light. A map is drawn when its light has moved, not when the camera has. Samples
+//! move a light within its extent, so that their mean shows soft shadows. The geometry pass compares with the map; the
+//! shaders are `shaders/shadow.vert` and `in_shadow` of `shaders/geometry.frag`.
 //!
-//! Shadows that a height field casts on itself are not modelled: Kirchhoff's approximation, on which the BRDF rests, leaves them out.
+//! Shadows that a height field casts on itself are not modelled: the Kirchhoff approximation, on which the BRDF is
+//! based, neglects them.
 
 use super::device_mesh::attributes;
 use super::object::DeviceObject;
@@ -21,21 +22,21 @@ use glam::{DVec3, Mat4, Vec3, Vec4};
 use std::cell::Cell;
 use std::sync::Arc;
 
-/// Returns the side of the depth maps for a picture of `size` pixels \[texels\]: four texels a pixel where the mesh fills the picture. Half as many put
-/// twice as many pixels beside a shadow's edge on the wrong side of it.
+/// Returns the side of the depth maps for a picture of `size` pixels \[texels\]: about four texels per pixel if the
+/// mesh fills the picture. With half the side, twice as many pixels at a shadow's edge are on the wrong side of it.
 fn side(size: [u32; 2]) -> u32 {
     (4 * size[0].max(size[1])).clamp(256, 2048)
 }
 
-/// Most depth maps that are kept. Further lights share the last.
+/// Maximum number of depth maps. Further lights share the last.
 const MOST_MAPS: usize = 4;
 
 /// Depth maps of the lights.
 pub struct Shadows {
     maps: Vec<DepthMap>,
-    /// Number of the map that objects read.
+    /// Number of the map bound to the objects.
     read: usize,
-    /// World to the clip space of that map, as its light stands now.
+    /// Matrix from the world to the clip space of that map, for the current position of its light.
     wanted: ClipFromWorld,
     side: u32,
     pipeline: Pipeline,
@@ -45,10 +46,10 @@ pub struct Shadows {
 /// Columns of the matrix from the world to the clip space of a depth map.
 type ClipFromWorld = [[f32; 4]; 4];
 
-/// Depth of the mesh from one light.
+/// Depth map of the mesh from one light.
 struct DepthMap {
     image: Image,
-    /// World to its clip space when it was drawn; `None` before that.
+    /// Matrix from the world to the map's clip space when it was drawn; `None` before that.
     drawn: Cell<Option<ClipFromWorld>>,
 }
 
@@ -62,10 +63,10 @@ impl DepthMap {
 }
 
 impl Shadows {
-    /// Makes a map for pictures of `objects` with `size` pixels, which read it from now on.
+    /// Makes a map for pictures of `objects` with `size` pixels, and binds it to the objects.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, objects: &[DeviceObject], size: [u32; 2]) -> Result<Self> {
         let side = side(size);
         let binding = Binding {
@@ -95,10 +96,11 @@ impl Shadows {
         Ok(Self { maps: vec![map], read: 0, wanted: ClipFromWorld::default(), side, pipeline, block })
     }
 
-    /// Lets `objects` read the map of light number `light`, which stands as `clip_from_world` says. The device must not be using the objects' sets.
+    /// Binds the map of light number `light`, with the matrix `clip_from_world`, to `objects`. The device must not be
+    /// using the objects' sets.
     ///
     /// # Errors
-    /// When the device has no room for the light's first map.
+    /// Fails if the device is out of memory for the light's first map.
     pub fn select(
         &mut self,
         device: &Arc<Device>,
@@ -117,7 +119,8 @@ impl Shadows {
         Ok(())
     }
 
-    /// Records the drawing of `objects` into the selected map, which it leaves readable by shaders, unless the map holds them already.
+    /// Records the drawing of `objects` into the selected map, unless the map is up to date; the map becomes readable
+    /// by shaders.
     pub fn record(&self, record: &Recorder<'_>, objects: &[DeviceObject]) {
         let DepthMap { image, drawn } = &self.maps[self.read];
         if drawn.replace(Some(self.wanted)) == Some(self.wanted) {
@@ -133,8 +136,9 @@ impl Shadows {
     }
 }
 
-/// World to the clip space of the depth map of a light in this `direction`, for a picture of `size` pixels; the map holds a sphere of
-/// `radius` around `centre`. `jitter` \[texels\] moves the map against the mesh, so that the texels of many samples blur into each other.
+/// Returns the matrix from the world to the clip space of the depth map of a light in this `direction`, for a picture
+/// of `size` pixels. The map covers a sphere of `radius` around `centre`. `jitter` \[texels\] shifts the map against
+/// the mesh, so that its texels blur over many samples.
 pub fn clip_from_world(
     direction: DVec3,
     centre: Vec3,
@@ -142,13 +146,13 @@ pub fn clip_from_world(
     size: [u32; 2],
     jitter: [f64; 2],
 ) -> Mat4 {
-    /// A little more than the sphere, so that nothing ends at the edge of the map.
+    /// Margin around the sphere, so that nothing is cut off at the edge of the map.
     const ROOM: f32 = 1.02;
     let toward = direction.as_vec3();
     let (x, y) = toward.any_orthonormal_pair();
     let scale = 1.0 / (ROOM * radius.max(f32::MIN_POSITIVE));
     let moved = |axis: usize| (2.0 * jitter[axis] / f64::from(side(size))) as f32;
-    // Depth grows from 0, next to the light, to 1.
+    // Depth grows from 0, nearest to the light, to 1.
     let rows = [
         (x * scale).extend(moved(0) - scale * x.dot(centre)),
         (y * scale).extend(moved(1) - scale * y.dot(centre)),
@@ -158,13 +162,13 @@ pub fn clip_from_world(
     Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
 }
 
-/// World to the clip space of the depth map of a lamp at `place`, which looks at the middle of a sphere of `radius` around `centre`. The map
-/// holds the sphere, unless the lamp is in or next to it: then what is within 75° of the direction to the middle. `size` and `jitter` as
-/// of [`clip_from_world`].
+/// Returns the matrix from the world to the clip space of the depth map of a lamp at `place`, aimed at the centre of a
+/// sphere of `radius` around `centre`. The map covers the sphere; if the lamp is inside or close to it, the map covers
+/// the directions within 75° of the centre. `size` and `jitter` are as for [`clip_from_world`].
 pub fn clip_from_lamp(place: Vec3, centre: Vec3, radius: f32, size: [u32; 2], jitter: [f64; 2]) -> Mat4 {
-    /// A little more than the sphere, so that nothing ends at the edge of the map.
+    /// Margin around the sphere, so that nothing is cut off at the edge of the map.
     const ROOM: f32 = 1.02;
-    /// The part of the radius that is next to a lamp and casts no shadow, where the lamp is in the sphere.
+    /// Near plane of a lamp inside the sphere, as a fraction of the radius; nearer surfaces cast no shadow.
     const NEAREST: f32 = 0.01;
     let radius = ROOM * radius.max(f32::MIN_POSITIVE);
     let distance = place.distance(centre);
@@ -184,7 +188,7 @@ pub fn clip_from_lamp(place: Vec3, centre: Vec3, radius: f32, size: [u32; 2], ji
     Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
 }
 
-/// Largest angle that the depth map of a lamp holds on either side of its middle \[radians\].
+/// Largest half-angle of the depth map of a lamp \[radians\].
 const WIDEST: f32 = 75.0 * std::f32::consts::PI / 180.0;
 
 #[cfg(test)]
@@ -209,7 +213,7 @@ mod tests {
             assert!(depth(clip, centre + direction.as_vec3()) < depth(clip, centre));
         }
         assert!((depth(far, centre) - 0.5).abs() < 1e-6);
-        // What the shader takes for B of the depth A + B/distance.
+        // B of the depth A + B/distance, as the shader computes it.
         let reach = (near * lamp.extend(1.0)).z;
         let at = |distance: f32| depth(near, lamp - direction.as_vec3() * distance);
         assert!((at(4.0) - at(8.0) - reach * (1.0 / 4.0 - 1.0 / 8.0)).abs() < 1e-5);

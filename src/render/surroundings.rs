@@ -1,5 +1,5 @@
-//! The picture of a scene's surroundings on the device, where the geometry pass reads it in the mirrored direction of each pixel. Levels are
-//! means over growing squares of pixels.
+//! Picture of a scene's surroundings on the device, which the geometry pass reads in the mirrored direction of each
+//! pixel. Mip levels are means over growing squares of pixels.
 
 use super::upload;
 use crate::error::Result;
@@ -13,11 +13,11 @@ use std::sync::Arc;
 
 /// Surroundings on the device.
 pub struct Surroundings {
-    /// Whose picture it is.
+    /// Surroundings that the picture was made from.
     of: Environment,
     /// The picture, in 16-bit floats.
     pub image: Image,
-    /// What a stored 1 stands for.
+    /// Radiance of a stored 1.
     pub unit: f32,
 }
 
@@ -25,9 +25,9 @@ impl Surroundings {
     /// Uploads the picture of `environment`.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, environment: &Environment) -> Result<Self> {
-        /// Of 16-bit floats, with room to spare for sums.
+        /// Largest 16-bit float, with a margin for sums.
         const LARGEST: f32 = 6e4;
         let levels = environment.levels();
         let brightest = levels[0].radiance.iter().fold(0f32, |most, c| most.max(c.max_element()));
@@ -47,7 +47,7 @@ impl Surroundings {
         Ok(Self { of: environment.clone(), image, unit })
     }
 
-    /// Whether the picture is that of `environment`, however it is turned and however bright.
+    /// Returns true if the picture is that of `environment`; its rotation and brightness may differ.
     pub fn show(&self, environment: &Environment) -> bool {
         self.of.shares_picture_with(environment)
     }

@@ -1,4 +1,4 @@
-//! The small tables that the shaders read beside the layers, computed in f64.
+//! Small tables that the shaders read in addition to the layers, computed in f64.
 
 use super::shading::Shading;
 use crate::optics::orders::ColourFunctions;
@@ -6,13 +6,13 @@ use crate::optics::quadrature::{WavelengthSets, Wavelengths};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::amplitude::Layers;
 
-/// Bins of |(u, v)| over 0 … 2 for which wavelengths are chosen; `UV_BINS` of `shaders/source_window.glsl`.
+/// Bins of |(u, v)| over 0 … 2 for the choice of wavelengths; `UV_BINS` of `shaders/source_window.glsl`.
 pub const UV_BINS: usize = 256;
 
-/// A table of four floats an entry, row by row: a texture.
+/// Table of four floats per entry, row by row, stored as a texture.
 #[derive(Clone, Debug)]
 pub struct TableTexture {
-    /// Entries along a row, and rows.
+    /// Number of entries per row, and number of rows.
     pub size: [usize; 2],
     /// All entries.
     pub values: Vec<[f32; 4]>,
@@ -23,12 +23,12 @@ pub struct TableTexture {
 pub struct WavelengthTexture {
     /// Row of `nodes` and number of wavelengths for each bin of |(u, v)|.
     pub bins: Vec<[i32; 2]>,
-    /// A set of wavelengths a row: XYZ weight and wavenumber of each.
+    /// One set of wavelengths per row: XYZ weight and wavenumber of each.
     pub nodes: TableTexture,
 }
 
 impl WavelengthTexture {
-    /// Returns the wavelengths of colours from `layers` under `shading`.
+    /// Returns the wavelengths for colours from `layers` under `shading`.
     pub fn of(layers: &Layers, shading: &Shading) -> Self {
         let illuminant = &shading.illuminant;
         let sets = match shading.wavelengths {
@@ -42,7 +42,7 @@ impl WavelengthTexture {
     pub fn new(sets: &WavelengthSets) -> Self {
         let bins = (0..UV_BINS)
             .map(|bin| {
-                // The bin's far end decides.
+                // The upper end of the bin decides.
                 let row = sets.number(2.0 * (bin + 1) as f64 / UV_BINS as f64);
                 [row as i32, sets.sets[row].len() as i32]
             })
@@ -55,7 +55,8 @@ impl WavelengthTexture {
         Self::new(&WavelengthSets::only(Wavelengths::even(illuminant, count)))
     }
 
-    /// Returns the colour functions as a density over wavenumbers, in place of wavelengths, which stand where the orders do.
+    /// Returns the colour functions as densities over wavenumber. They replace wavelengths where those follow from the
+    /// orders of a grating.
     pub fn densities(colours: &ColourFunctions) -> TableTexture {
         let values: Vec<[f32; 4]> =
             colours.densities.iter().map(|d| d.as_vec3().extend(0.0).to_array()).collect();

@@ -1,4 +1,4 @@
-//! Where a frame is drawn to: a linear HDR colour image with depth, and the 8-bit image that is displayed.
+//! Render targets of a frame: a linear HDR colour image with depth, and the displayed 8-bit image.
 
 use crate::error::{Error, Result};
 use crate::vk::access::Access;
@@ -10,11 +10,11 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// Format of radiance: signed, and as exact as the reference that judges it.
+/// Format of radiance: signed, with the precision of the reference it is compared with.
 pub const RADIANCE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// Format of depth.
 pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
-/// Format of depth with the number of the object that is seen beside it.
+/// Format of depth with the object number in the stencil.
 const DEPTH_AND_OBJECT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
 /// Format of the displayed picture; the shader applies the transfer function.
 pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
@@ -22,61 +22,63 @@ pub const DISPLAY: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Format of directions and pigment.
 pub const GEOMETRY: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// What the geometry pass clears directions to: farther out than any is projected (`UNCOVERED` of `shaders/pixel.glsl`).
+/// Clear value of directions: outside the range of the projection (`UNCOVERED` of `shaders/pixel.glsl`).
 pub const UNCOVERED: f32 = 100.0;
 
 /// Format of footprints.
 pub const FOOTPRINTS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// What the geometry pass is asked for.
+/// Outputs of the geometry pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct GeometrySettings {
-    /// Whether the pigment is of a texture.
+    /// True if a texture gives the pigment.
     pub textured: bool,
-    /// Whether directions hold [`UNCOVERED`] where nothing is covered; else they hold anything there.
+    /// True if directions are [`UNCOVERED`] at uncovered pixels; otherwise they are undefined there.
     pub marked: bool,
-    /// Whether footprints are written.
+    /// True if footprints are written.
     pub footprints: bool,
-    /// Whether the light casts shadows.
+    /// True if the light casts shadows.
     pub shadows: bool,
-    /// Whether surroundings are among the lights; under them, their radiance in the mirrored direction is written.
+    /// True if surroundings are among the lights; their radiance in the mirrored direction is then written.
     pub mirrored: bool,
-    /// Whether lamps are among the lights.
+    /// True if lamps are among the lights.
     pub lamps: bool,
-    /// Whether there are several objects, so that the number of the one that is seen stands beside the depth.
+    /// True if there are several objects, so that the object number is written beside the depth.
     pub several: bool,
 }
 
 impl GeometrySettings {
-    /// Format of the depth.
+    /// Returns the format of the depth.
     pub fn depth_format(&self) -> vk::Format {
         if self.several { DEPTH_AND_OBJECT } else { DEPTH }
     }
 }
 
-/// What the geometry pass finds at each pixel under one light, directions in stereographic projection.
+/// Output of the geometry pass under one light. Directions are in stereographic projection.
 pub struct Geometry {
     /// ω_r (xy) and ω_i (zw).
     pub directions: Image,
-    /// Albedo of the pigment, linear sRGB; w: how bright the light is at the pixel, its falloff, or 1 where it is far away. Where the pigment is of a
-    /// texture, lamps are among the lights, or another image stands behind it.
+    /// Albedo of the pigment, linear sRGB; w: falloff of the light, 1 for a distant light. Present if a texture gives
+    /// the pigment, if lamps are among the lights, or if another image follows.
     pub albedo: Option<Image>,
-    /// Radiance of the surroundings in the mirrored direction, where they are among the lights; written where the light is drawn from them.
+    /// Radiance of the surroundings in the mirrored direction. Present if surroundings are among the lights; written
+    /// under that light.
     pub mirrored: Option<Image>,
-    /// Depth; [`crate::vk::commands::FAR`] where nothing is covered. Where there are several objects, beside it the number of the one that is seen, from 1.
+    /// Depth; [`crate::vk::commands::FAR`] at uncovered pixels. With several objects, the stencil holds the object
+    /// number, from 1.
     pub depth: Image,
-    /// How (u, v) = −(ω_i + ω_r).xy changes from pixel to pixel: du/dx, dv/dx, du/dy, dv/dy, x to the right and y downward, where it is asked
-    /// for; anything where nothing is covered.
+    /// Jacobian of (u, v) = −(ω_i + ω_r).xy: du/dx, dv/dx, du/dy, dv/dy per pixel, x to the right and y downward.
+    /// Present if requested; undefined at uncovered pixels.
     pub footprints: Option<Image>,
-    /// What the images are for.
+    /// Settings that the images were made for.
     pub settings: GeometrySettings,
 }
 
 impl Geometry {
-    /// Images of `size` pixels.
+    /// Makes images of `size` pixels.
     ///
     /// # Errors
-    /// Where the device has no room or does not make images of that size.
+    /// Fails if the device is out of memory or does not support images of that size.
     pub fn new(device: &Arc<Device>, size: [u32; 2], settings: GeometrySettings) -> Result<Self> {
         let GeometrySettings { textured, footprints, mirrored, lamps, .. } = settings;
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT
@@ -88,7 +90,7 @@ impl Geometry {
         let image = |wanted: bool, name, format| wanted.then(|| make(name, format, usage)).transpose();
         Ok(Self {
             directions: make("directions", GEOMETRY, usage)?,
-            // The attachments of a pass have no gaps.
+            // Attachments of a pass must be contiguous.
             albedo: image(textured || lamps || mirrored, "albedos", GEOMETRY)?,
             mirrored: image(mirrored, "mirrored radiance", GEOMETRY)?,
             footprints: image(footprints, "footprints", FOOTPRINTS)?,
@@ -101,7 +103,8 @@ impl Geometry {
         })
     }
 
-    /// The colour images in the order of `geometry.frag`, those that the pass writes for a light that is drawn from the surroundings or not.
+    /// Iterates over the colour images in the order of `geometry.frag`. `mirrors`: including that of the mirrored
+    /// radiance.
     pub fn images(&self, mirrors: bool) -> impl Iterator<Item = &Image> {
         let mirrored = self.mirrored.as_ref().filter(|_| mirrors);
         let others = [self.footprints.as_ref(), self.albedo.as_ref(), mirrored];
@@ -109,19 +112,19 @@ impl Geometry {
     }
 }
 
-/// The images of one picture size.
+/// Images of one picture size.
 pub struct Target {
-    /// Linear radiance; anything where nothing is covered.
+    /// Linear radiance; undefined at uncovered pixels.
     pub radiance: Image,
-    /// Displayed picture. A window that shows it holds it too.
+    /// Displayed picture, shared with a window that shows it.
     pub display: Arc<Image>,
 }
 
 impl Target {
-    /// Images of `size` pixels.
+    /// Makes images of `size` pixels.
     ///
     /// # Errors
-    /// Where the device has no room or does not make images of that size.
+    /// Fails if the device is out of memory or does not support images of that size.
     pub fn new(device: &Arc<Device>, size: [u32; 2]) -> Result<Self> {
         let attachment = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let make = |name, format, usage| {
@@ -133,13 +136,13 @@ impl Target {
         })
     }
 
-    /// Width and height.
+    /// Returns width and height \[pixels\].
     pub fn size(&self) -> [u32; 2] {
         self.radiance.size()
     }
 }
 
-/// Bytes per texel of the formats that are read back, of depth without what stands beside it.
+/// Returns the bytes per texel of a format that can be read back; without the stencil of a depth format.
 fn texel_size(format: vk::Format) -> Result<u64> {
     match format {
         vk::Format::R32G32B32A32_SFLOAT => Ok(16),
@@ -153,15 +156,15 @@ fn texel_size(format: vk::Format) -> Result<u64> {
 /// Reads an image back to the host, tightly packed; `last` is its last use.
 ///
 /// # Errors
-/// Where the device is lost or out of memory.
+/// Fails if the device is lost or out of memory.
 pub fn read_back(device: &Arc<Device>, image: &Image, last: Access) -> Result<Vec<u8>> {
     read_back_part(device, image, last, [0; 2], image.size())
 }
 
-/// As [`read_back`], the rectangle of `size` texels at `corner` alone.
+/// Reads the rectangle of `size` texels at `corner` back to the host, as [`read_back`].
 ///
 /// # Errors
-/// As [`read_back`].
+/// Same as [`read_back`].
 pub fn read_back_part(
     device: &Arc<Device>,
     image: &Image,
@@ -173,10 +176,10 @@ pub fn read_back_part(
     read_back_aspect(device, (image, without_stencil, texel_size(image.format())?), last, corner, size)
 }
 
-/// Reads the rectangle of `size` texels at `corner` of the numbers beside the depth; 0 where nothing is covered.
+/// Reads the rectangle of `size` texels at `corner` of the object numbers in the stencil; 0 at uncovered pixels.
 ///
 /// # Errors
-/// As [`read_back`].
+/// Same as [`read_back`].
 pub fn read_back_objects(
     device: &Arc<Device>,
     depth: &Image,
@@ -187,7 +190,7 @@ pub fn read_back_objects(
     read_back_aspect(device, stencil, Access::DepthAttachment, corner, size)
 }
 
-/// Reads the rectangle of `size` texels at `corner` of an aspect of an image, of so many bytes a texel.
+/// Reads the rectangle of `size` texels at `corner` of one aspect of an image with `bytes` bytes per texel.
 fn read_back_aspect(
     device: &Arc<Device>,
     (image, aspect, bytes): (&Image, vk::ImageAspectFlags, u64),

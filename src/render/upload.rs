@@ -1,4 +1,4 @@
-//! From host memory into device memory through staging buffers; that of an image is of bounded size.
+//! Uploads from host to device memory through staging buffers; that of an image has a bounded size.
 
 use crate::error::Result;
 use crate::vk::access::Access;
@@ -10,10 +10,10 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// Size of an image's staging buffer \[bytes\]: many rows of the largest texture, and little beside it.
+/// Size of an image's staging buffer \[bytes\]: holds many rows of the largest texture and is small compared with it.
 const STAGING: usize = 32 << 20;
 
-/// A device-local buffer that holds `data`.
+/// Makes a device-local buffer with the contents `data`.
 pub fn buffer(device: &Arc<Device>, name: &str, usage: vk::BufferUsageFlags, data: &[u8]) -> Result<Buffer> {
     let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
     let target = Buffer::new(device, name, data.len() as u64, usage, MemoryLocation::GpuOnly)?;
@@ -35,7 +35,7 @@ pub fn into(device: &Arc<Device>, target: &Buffer, data: &[u8]) -> Result<()> {
     })
 }
 
-/// A texture that holds tightly packed `data`, ready for shaders; an array where `layers` says of how many.
+/// Makes a texture of tightly packed `data`, ready for shaders; an array if `layers` is given.
 pub fn texture(
     device: &Arc<Device>,
     name: &str,
@@ -57,7 +57,7 @@ pub fn image(device: &Arc<Device>, image: &Image, layers: u32, data: &[u8]) -> R
     levels(device, image, layers, &[data])
 }
 
-/// The same for an image of mip levels, each with data of its own, the finest first.
+/// Fills an image with mip levels like [`image()`], each level with its data, the finest first.
 pub fn levels(device: &Arc<Device>, image: &Image, layers: u32, data: &[&[u8]]) -> Result<()> {
     let row_bytes = |level: usize| {
         let height = (image.size()[1] >> level).max(1) as usize;

@@ -1,15 +1,15 @@
-//! What is behind the mesh.
+//! Background behind the mesh.
 
 use crate::error::{Error, Result};
 use crate::units;
 use glam::DVec3;
 
-/// What is displayed where the mesh does not cover.
+/// Background of the pixels that the mesh does not cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// A colour, linear sRGB from 0 to 1.
     Color(DVec3),
-    /// What surrounds the scene.
+    /// The environment map.
     Surroundings,
 }
 
@@ -17,7 +17,7 @@ pub enum Background {
 const DARK_GREY: DVec3 = DVec3::splat(0.01);
 
 impl Background {
-    /// `R,G,B`, linear sRGB from 0 to 1 each, or `surroundings`.
+    /// Parses `R,G,B`, linear sRGB from 0 to 1 each, or `surroundings`.
     ///
     /// # Errors
     /// Another form, or numbers out of range.
@@ -33,7 +33,7 @@ impl Background {
         })
     }
 
-    /// The colour, linear sRGB: a dark grey where surroundings are to be shown and there are none.
+    /// Returns the colour, linear sRGB; a dark grey instead of an environment map that the scene lacks.
     pub fn color(self) -> DVec3 {
         match self {
             Self::Color(color) => color,

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
 use glam::{DVec2, DVec3, Mat4, Vec3};
 
-/// A perspective camera that orbits a target. The world's up is +z.
+/// Perspective camera that orbits a target. The world's up is +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Point looked at.
@@ -19,14 +19,14 @@ pub struct Camera {
     pub field_of_view: f32,
 }
 
-/// The eye stays this far from the poles, where up and view direction coincide \[rad\].
+/// Smallest angle of the eye from the poles, at which up and view direction coincide \[rad\].
 const POLE_MARGIN: f32 = 1e-3;
 
 impl Camera {
-    /// The camera at `eye` that looks at `target` under `field_of_view` \[rad\].
+    /// Returns the camera at `eye` that looks at `target` under `field_of_view` \[rad\].
     ///
     /// # Errors
-    /// Where the numbers are not finite, eye and target coincide, or the field of view is not within 1° … 170°.
+    /// Numbers that are not finite, an eye at the target, a field of view not within 1° … 170°.
     pub fn looking(eye: Vec3, target: Vec3, field_of_view: f32) -> Result<Self> {
         let offset = eye - target;
         let distance = offset.length();
@@ -46,17 +46,17 @@ impl Camera {
         Ok(Self { target, distance, theta, phi: offset.y.atan2(offset.x), field_of_view })
     }
 
-    /// Where the eye is.
+    /// Returns the position of the eye.
     pub fn eye(&self) -> Vec3 {
         let theta = self.theta.clamp(POLE_MARGIN, std::f32::consts::PI - POLE_MARGIN);
         let (sin, cos) = theta.sin_cos();
         self.target + self.distance * Vec3::new(sin * self.phi.cos(), sin * self.phi.sin(), cos)
     }
 
-    /// World to Vulkan clip space (y down, depth 0 … 1) for a picture of `size` pixels that shows a scene of `radius`
-    /// around `centre`.
+    /// Returns the matrix from the world to Vulkan clip space (y down, depth 0 … 1) for a picture of `size` pixels that shows a scene of
+    /// `radius` around `centre`.
     pub fn clip_from_world(&self, size: [u32; 2], centre: Vec3, radius: f32) -> Mat4 {
-        /// Depth precision falls with far/near; nothing nearer than this part of the far distance is shown.
+        /// Smallest near over far distance: depth precision falls with far/near.
         const NEAREST: f32 = 1e-3;
         let eye = self.eye();
         let far = (centre - eye).length() + radius.max(1e-6);
@@ -66,8 +66,8 @@ impl Camera {
         projection * look_at_mat4(eye, self.target, Vec3::Z)
     }
 
-    /// Returns a vector from the eye to what a picture of `size` pixels shows at `place` \[pixels from its upper left corner\]: the f64 twin of
-    /// [`Self::clip_from_world`].
+    /// Returns a vector from the eye through the point `place` of a picture of `size` pixels \[pixels from its upper left corner\]: the f64
+    /// twin of [`Self::clip_from_world`].
     pub fn ray(&self, place: DVec2, size: [u32; 2]) -> DVec3 {
         let forward = (self.target.as_dvec3() - self.eye().as_dvec3()).normalize();
         let right = forward.cross(DVec3::Z).normalize();
@@ -80,16 +80,16 @@ impl Camera {
     }
 }
 
-/// Where in clip space the centre of pixel number `pixel` of a picture of `size` pixels is, row by row from the top.
+/// Returns the centre of pixel number `pixel` in clip space, for a picture of `size` pixels, row by row from the top.
 pub fn pixel_in_clip(pixel: usize, size: [u32; 2]) -> DVec2 {
     let place = DVec2::new((pixel % size[0] as usize) as f64, (pixel / size[0] as usize) as f64);
     (place + 0.5) / DVec2::new(size[0].into(), size[1].into()) * 2.0 - 1.0
 }
 
-/// `clip_from_world` of a picture of `size` pixels, moved so that the centre of each pixel shows what lies `jitter` pixels from
-/// it: x to the right, y downward.
+/// Shifts `clip_from_world` of a picture of `size` pixels so that the centre of each pixel shows the point `jitter` pixels from it: x to
+/// the right, y downward.
 pub fn jittered(clip_from_world: Mat4, size: [u32; 2], jitter: [f64; 2]) -> Mat4 {
-    // Clip space is two units wide. The picture moves against the place that is looked at.
+    // Clip space is two units wide. The picture moves against the jitter.
     let step = |axis: usize| (-2.0 * jitter[axis] / f64::from(size[axis])) as f32;
     Mat4::from_translation(Vec3::new(step(0), step(1), 0.0)) * clip_from_world
 }
@@ -110,7 +110,7 @@ mod tests {
                 [(place.x + 1.0) / 2.0 * 200.0, (place.y + 1.0) / 2.0 * 100.0]
             };
             let (still, seen) = (pixel(clip), pixel(moved));
-            // What was seen 0.3 pixels to the right of a place is seen at the place: it moved by 0.3 pixels to the left.
+            // A point 0.3 pixels to the right of the centre moves by 0.3 pixels to the left.
             assert!((still[0] - seen[0] - 0.3).abs() < 1e-4 && (still[1] - seen[1] + 1.25).abs() < 1e-4);
             assert_eq!(clip.project_point3(point).z, moved.project_point3(point).z);
         }

@@ -2,10 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
-/// A corner of a triangle as a file gives it. Normal and texture coordinates may be missing.
+/// Corner of a triangle as in a file. Normal and texture coordinates may be missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// Position in model space; projected texture coordinates take y for up.
+    /// Position in model space; projected texture coordinates take y as up.
     pub position: [f32; 3],
     /// Normal of any length; missing or zero: the smooth one is computed.
     pub normal: Option<[f32; 3]>,

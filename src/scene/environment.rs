@@ -1,7 +1,7 @@
-//! Surroundings that light a scene from everywhere: an equirectangular picture of radiance.
+//! Environment maps, which light a scene from everywhere: equirectangular pictures of radiance.
 //!
-//! The picture's middle column stands at azimuth 0, the world's +x; azimuth grows to the left, as for one who stands inside and looks
-//! out. Its top row is up, +z. A radiance of 1 is that of a white diffuse surface that faces a light of intensity 1.
+//! The picture's middle column stands at azimuth 0, the world's +x; azimuth grows to the left, as seen from inside. Its top row is up, +z.
+//! A radiance of 1 is that of a white diffuse surface that faces a light of intensity 1.
 
 use super::environment_cells::{Cell, LightSums};
 use super::incident::{Incident, WIDER};
@@ -17,35 +17,35 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The surroundings that the program makes.
+/// Names of the built-in environment maps.
 pub const BUILT_IN: [&str; 2] = ["sky", "studio"];
 
-/// Whether [`Environment::open`] takes `name` for one of the program's own.
+/// Returns true if `name` is that of a built-in environment map.
 pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
     BUILT_IN.iter().any(|known| name.as_ref() == *known)
 }
 
-/// Width of made surroundings, and the largest of pictures that light is drawn from \[pixels\]. Larger ones are averaged.
+/// Width of built-in environment maps, and the largest width from which light is sampled \[pixels\]. Larger maps are averaged.
 const WIDTH: usize = 512;
 const LARGEST_WIDTH: usize = 2048;
 /// Largest side of a picture that is read \[pixels\].
 const LARGEST_SIDE: u32 = 1 << 14;
-/// Variance of the directions of a hemisphere, along each axis across its middle. Nothing stands for more.
+/// Variance of the directions of a hemisphere, along each axis across its middle: the largest variance of a sample.
 const LARGEST_VARIANCE: f64 = 1.0 / 3.0;
-/// Largest radiance; beyond it 32-bit sums lose their small parts.
+/// Largest radiance; above it, 32-bit sums lose their small parts.
 const LARGEST_RADIANCE: f32 = 1e9;
 
-/// How surroundings stand in the world.
+/// Rotation and exposure of an environment map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Placement {
-    /// Angle by which they are turned about the world's up, from +x toward +y \[degrees\].
+    /// Rotation about the world's up, from +x toward +y \[degrees\].
     pub rotation: f64,
-    /// Their radiance is multiplied by two to the power of it \[stops\].
+    /// Exposure: the radiance is multiplied by two to the power of this number \[stops\].
     pub exposure: f64,
 }
 
 impl Placement {
-    /// Turned by `rotation` \[degrees\] and brighter by `exposure` \[stops\].
+    /// Returns the placement with this rotation \[degrees\] and exposure \[stops\].
     ///
     /// # Errors
     /// An exposure beyond −40 to 40 stops.
@@ -60,17 +60,17 @@ impl Placement {
     }
 }
 
-/// Surroundings of a scene.
+/// Environment map of a scene.
 #[derive(Clone)]
 pub struct Environment {
-    /// Their name or file.
+    /// Name or file.
     pub name: String,
-    /// How they stand.
+    /// Rotation and exposure.
     pub placement: Placement,
     picture: Arc<EnvironmentMap>,
 }
 
-/// The very same picture is not compared number by number.
+/// Compares the pictures number by number only if they are not shared.
 impl PartialEq for Environment {
     fn eq(&self, other: &Self) -> bool {
         let is_same = self.shares_picture_with(other) || self.picture == other.picture;
@@ -78,7 +78,7 @@ impl PartialEq for Environment {
     }
 }
 
-/// Tells the picture by its hash: millions of numbers tell nobody anything.
+/// Shows a hash instead of the millions of numbers of the picture.
 impl fmt::Debug for Environment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let EnvironmentMap { width, radiance, .. } = &*self.picture;
@@ -93,7 +93,7 @@ impl fmt::Debug for Environment {
     }
 }
 
-/// The picture of surroundings, or means over squares of its pixels.
+/// Mip level of an environment map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnvironmentLevel {
     /// Width and height \[pixels\].
@@ -103,7 +103,7 @@ pub struct EnvironmentLevel {
 }
 
 impl EnvironmentLevel {
-    /// Means over 2 × 2 pixels; over 3 along a side of an odd number of them, so that none is left out.
+    /// Returns means over 2 × 2 pixels; over 3 along a side with an odd number of pixels, so that none is left out.
     fn halved(&self) -> Self {
         let [width, height] = self.size;
         let size = self.size.map(|n| (n / 2).max(1));
@@ -125,21 +125,21 @@ struct EnvironmentMap {
     height: usize,
     /// Linear sRGB, row by row from the top.
     radiance: Vec<Vec3>,
-    /// How bright its pixels are.
+    /// Sums of the brightness of the pixels.
     light: LightSums,
-    /// As [`Environment::extent`].
+    /// Value of [`Environment::extent`].
     extent: f64,
     /// Cosine and sine of the azimuth of each column.
     azimuths: Vec<DVec2>,
-    /// Number of pixels of the file that are no radiance.
+    /// Number of pixels of the file whose radiance was NaN or out of range.
     bounded: usize,
 }
 
 impl Environment {
-    /// Surroundings by name, `sky` or `studio`, or an equirectangular picture, .exr or .hdr.
+    /// Opens an environment map by name, `sky` or `studio`, or an equirectangular picture, .exr or .hdr.
     ///
     /// # Errors
-    /// A name that is neither, a file that cannot be read, or one that holds no light.
+    /// A name that is neither, a file that cannot be read, or a file that holds no light.
     pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
         let name = name.as_ref();
         let picture = match name.to_str() {
@@ -150,15 +150,15 @@ impl Environment {
         Ok(Self::showing(&name.to_string_lossy(), picture))
     }
 
-    /// Surroundings called `name` from the bytes of an .exr or .hdr file.
+    /// Reads the environment map called `name` from the bytes of an .exr or .hdr file.
     ///
     /// # Errors
-    /// Bytes that are no such picture, one that is not twice as wide as high, or one that holds no light.
+    /// Bytes that are no such picture, a picture that is not twice as wide as high, or one that holds no light.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self> {
         EnvironmentMap::from_bytes(bytes).map(|picture| Self::showing(name, picture))
     }
 
-    /// Returns a note about pixels of the file that are no radiance; `None` if there are none.
+    /// Returns a note about pixels of the file whose radiance was replaced; `None` if there are none.
     pub fn note(&self) -> Option<String> {
         let count = self.picture.bounded;
         let pixels = if count == 1 { "1 pixel is" } else { &format!("{count} pixels are") };
@@ -174,28 +174,29 @@ impl Environment {
         Self { name: name.to_owned(), placement: Placement::default(), picture: Arc::new(picture) }
     }
 
-    /// Surroundings of this radiance, linear sRGB, over directions.
+    /// Returns the environment map of this radiance, linear sRGB, over directions.
     pub fn of(radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
         Self::showing("", EnvironmentMap::of(WIDTH, radiance))
     }
 
-    /// Solid angle that the light comes from \[sr\]: that of an even light which is as bright in all and on average, each direction as much as it is bright.
+    /// Returns the effective solid angle of the light \[sr\], (∫ L dω)² / ∫ L² dω: that of a uniform light with the same total and the same
+    /// mean of L, weighted by L.
     pub fn extent(&self) -> f64 {
         self.picture.extent
     }
 
-    /// What sample number `index` of `count` gets: the light of its own cell, one of as many as there are samples, from the middle of it. Cells have about
-    /// the same light, so that the brighter the surroundings are, the more directions come from there.
+    /// Returns sample number `index` of `count`: the light of one cell, from its mean direction. There are as many cells as samples. Cells
+    /// have about the same light, so that bright parts of the map get more samples.
     pub fn incident(&self, index: u32, count: u32) -> Incident {
         let count = count.max(1);
         let cell = self.picture.light.cell(index, count);
         let samples = f64::from(cell.samples);
         let CellLight { irradiance, middle } = self.picture.light_of(&cell);
         let centre = [&cell.rows, &cell.columns].map(|range| usize::midpoint(range.start, range.end - 1));
-        // The mean of unit vectors is the shorter the more they spread.
+        // The length of the mean of unit vectors falls with their spread: 1 − |m|² is the sum of the variances.
         let spread = 0.5 * (1.0 - middle.length_squared());
         let of_pixel = (PI / self.picture.height as f64).powi(2) / 12.0;
-        // A single part has no neighbour to overlap with.
+        // A single sample has no neighbours to overlap with.
         let wider = WIDER.min(f64::from(count));
         let direction =
             middle.try_normalize().unwrap_or_else(|| self.picture.direction(centre[0], centre[1]));
@@ -208,7 +209,7 @@ impl Environment {
         }
     }
 
-    /// The picture in levels of half the size each, the finest first, for reading means over parts of it. Neither turned nor brightened.
+    /// Returns the mip levels of the picture, the finest first, without rotation and exposure.
     pub fn levels(&self) -> Vec<EnvironmentLevel> {
         let EnvironmentMap { width, height, radiance, .. } = &*self.picture;
         let finest = EnvironmentLevel { size: [*width, *height], radiance: radiance.clone() };
@@ -216,18 +217,18 @@ impl Environment {
         std::iter::successors(Some(finest), halved).collect()
     }
 
-    /// The same surroundings, standing as `placement` says.
+    /// Returns the same environment map with another rotation and exposure.
     #[must_use]
     pub fn placed(&self, placement: Placement) -> Self {
         Self { placement, ..self.clone() }
     }
 
-    /// Whether both have the very same picture.
+    /// Returns true if both share the very same picture.
     pub fn shares_picture_with(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.picture, &other.picture)
     }
 
-    /// Radiance from the unit vector `toward`, linear sRGB: that of the pixel there.
+    /// Returns the radiance from the unit vector `toward`, linear sRGB: that of the nearest pixel.
     pub fn radiance(&self, toward: DVec3) -> DVec3 {
         let picture = &*self.picture;
         let azimuth = toward.y.atan2(toward.x) - self.placement.rotation.to_radians();
@@ -238,7 +239,7 @@ impl Environment {
         picture.radiance[pixel].as_dvec3() * self.placement.exposure.exp2()
     }
 
-    /// Irradiance over π of a surface that faces `normal`, linear sRGB.
+    /// Returns the irradiance over π of a surface that faces `normal`, linear sRGB.
     pub fn irradiance(&self, normal: DVec3) -> DVec3 {
         let picture = &*self.picture;
         let mut sum = DVec3::ZERO;
@@ -250,49 +251,49 @@ impl Environment {
         sum * self.placement.exposure.exp2() / PI
     }
 
-    /// A direction of the picture in the world.
+    /// Rotates a direction of the picture into the world.
     fn turned(&self, direction: DVec3) -> DVec3 {
         DQuat::from_rotation_z(self.placement.rotation.to_radians()) * direction
     }
 }
 
-/// Angle from up, at row 0 of `height`, to `row` \[rad\].
+/// Returns the angle from up, at row 0 of `height`, to `row` \[rad\].
 fn polar_angle(row: f64, height: usize) -> f64 {
     PI * row / height as f64
 }
 
-/// Cosine and sine of the azimuth of the middle of each column.
+/// Returns the cosine and sine of the azimuth of the middle of each column.
 fn azimuths(width: usize) -> Vec<DVec2> {
     (0..width).map(|column| DVec2::from_angle(PI - TAU * (column as f64 + 0.5) / width as f64)).collect()
 }
 
-/// The direction of the middle of a pixel of `row`, at the azimuth of this cosine and sine.
+/// Returns the direction of the middle of a pixel of `row`, at the azimuth of this cosine and sine.
 fn direction(row: usize, height: usize, azimuth: DVec2) -> DVec3 {
     let (sin, cos) = polar_angle(row as f64 + 0.5, height).sin_cos();
     (azimuth * sin).extend(cos)
 }
 
-/// Of a pixel of `row` in a picture of this size \[sr\].
+/// Returns the solid angle of a pixel of `row` in a picture of this size \[sr\].
 fn solid_angle(row: usize, [width, height]: [usize; 2]) -> f64 {
     let [top, bottom] = [row, row + 1].map(|row| polar_angle(row as f64, height).cos());
     TAU / width as f64 * (top - bottom)
 }
 
-/// What comes from a cell.
+/// Light of a cell.
 struct CellLight {
-    /// Of a surface that faces it, linear sRGB.
+    /// Irradiance of a surface that faces the cell, linear sRGB.
     irradiance: DVec3,
-    /// The mean of its directions, each as much as it is bright: no unit vector.
+    /// Mean direction, weighted by brightness; not a unit vector.
     middle: DVec3,
 }
 
-/// How bright light of this radiance is.
+/// Returns the luminance of a radiance.
 fn brightness(radiance: DVec3) -> f64 {
     LUMINANCE.dot(radiance).max(0.0)
 }
 
 impl EnvironmentMap {
-    /// A picture `width` pixels wide of this radiance over directions.
+    /// Returns a picture `width` pixels wide of this radiance over directions.
     fn of(width: usize, radiance: &dyn Fn(DVec3) -> Vec3) -> Self {
         let height = width / 2;
         let azimuths = azimuths(width);
@@ -313,12 +314,12 @@ impl EnvironmentMap {
         Self { width, height, radiance, light, extent, azimuths, bounded: 0 }
     }
 
-    /// The direction of the middle of a pixel, not turned.
+    /// Returns the direction of the middle of a pixel, without rotation.
     fn direction(&self, row: usize, column: usize) -> DVec3 {
         direction(row, self.height, self.azimuths[column])
     }
 
-    /// What comes from `cell`, not turned. A window that moves asks for all of the picture in every frame.
+    /// Returns the light of `cell` before rotation. A window with a moving map asks for the whole picture in every frame.
     fn light_of(&self, cell: &Cell) -> CellLight {
         let (mut irradiance, mut light, mut middle) = (DVec3::ZERO, 0.0, DVec3::ZERO);
         for row in cell.rows.clone() {
@@ -342,7 +343,7 @@ impl EnvironmentMap {
         Self::from_bytes(&PICTURE.read(path)?).map_err(|e| e.at(path.display()))
     }
 
-    /// The picture in the bytes of an .exr or .hdr file.
+    /// Decodes the picture in the bytes of an .exr or .hdr file.
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let [width, height] = PICTURE.size(bytes)?;
         if height == 0 || u64::from(width) != 2 * u64::from(height) {
@@ -351,7 +352,7 @@ impl EnvironmentMap {
                 "give an equirectangular picture, twice as wide as high",
             ));
         }
-        /// Copies of a pixel: as read, as three floats, and averaged with its distribution.
+        /// Memory of a pixel: as read, as three floats, and averaged with its distribution \[bytes\].
         const BYTES: u64 = 64;
         let pixels = u64::from(width).saturating_mul(u64::from(height));
         memory::ensure_room(pixels.saturating_mul(BYTES), "the surroundings")?;
@@ -368,7 +369,7 @@ impl EnvironmentMap {
     }
 }
 
-/// What a file of surroundings is.
+/// File formats and limits of environment maps.
 const PICTURE: PictureFile = PictureFile {
     formats: &[ImageFormat::Hdr, ImageFormat::OpenExr],
     names: "neither EXR nor Radiance HDR",
@@ -377,7 +378,8 @@ const PICTURE: PictureFile = PictureFile {
     side: LARGEST_SIDE,
 };
 
-/// The picture with at most [`LARGEST_WIDTH`] columns: means over whole squares of pixels. What remains beyond them is left out.
+/// Returns the picture with at most [`LARGEST_WIDTH`] columns: means over whole squares of pixels. An incomplete square at the edge is left
+/// out.
 fn averaged(width: usize, height: usize, colors: Vec<Vec3>) -> EnvironmentMap {
     let by = width.div_ceil(LARGEST_WIDTH);
     if by == 1 {
@@ -392,15 +394,15 @@ fn averaged(width: usize, height: usize, colors: Vec<Vec3>) -> EnvironmentMap {
     EnvironmentMap::new(columns, rows, (0..columns * rows).map(mean).collect())
 }
 
-/// An overcast sky by the CIE's formula, L = L_z (1 + 2 sin γ)/3 (Moon and Spencer 1942), bluish, over a dark ground. The sun is a light of
-/// its own.
+/// Returns the radiance of an overcast sky by the CIE's formula, L = L_z (1 + 2 sin γ)/3 (Moon and Spencer 1942), bluish, over a dark
+/// ground. The sun is not part of it; add it as a light.
 fn sky(direction: DVec3) -> Vec3 {
     const ZENITH: Vec3 = Vec3::new(0.26, 0.31, 0.38);
     const GROUND: Vec3 = Vec3::new(0.030, 0.026, 0.022);
     if direction.z > 0.0 { ZENITH * ((1.0 + 2.0 * direction.z as f32) / 3.0) } else { GROUND }
 }
 
-/// A dim room with a window of four panes and two softboxes.
+/// Returns the radiance of a dim room with a window of four panes and two softboxes.
 fn studio(direction: DVec3) -> Vec3 {
     const ROOM: Vec3 = Vec3::new(0.035, 0.034, 0.033);
     const WINDOW: Vec3 = Vec3::new(4.6, 5.0, 5.6);
@@ -426,7 +428,7 @@ fn studio(direction: DVec3) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// Points of a regular lattice.
+    /// Returns points of a regular lattice.
     fn points(side: u32) -> impl Iterator<Item = [f64; 2]> {
         let place = move |i: u32| (f64::from(i) + 0.5) / f64::from(side);
         (0..side * side).map(move |i| [place(i % side), place(i / side)])

@@ -1,14 +1,14 @@
-//! Cells of surroundings: parts of about the same light, each as square as it can be, by halving the picture again and again along the longer side of
-//! what is left (Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling").
+//! Cells of environment maps: parts of about the same light and nearly square, by repeated halving along the longer side (Debevec 2005, "A
+//! Median Cut Algorithm for Light Probe Sampling").
 
 use std::ops::Range;
 
-/// The light of a picture of surroundings, as sums along its rows.
+/// Prefix sums of the light of an environment map along its rows.
 #[derive(Debug, PartialEq)]
 pub(super) struct LightSums {
     width: usize,
     height: usize,
-    /// Row by row, the light of the pixels before each, and of all at the end.
+    /// Light of the pixels before each pixel of a row, and of the whole row at its end; row by row.
     sums: Vec<f64>,
 }
 
@@ -17,12 +17,12 @@ pub(super) struct LightSums {
 pub(super) struct Cell {
     pub rows: Range<usize>,
     pub columns: Range<usize>,
-    /// How many samples share it: more than one where it is a single pixel.
+    /// Number of samples in the cell: above 1 only for a single pixel.
     pub samples: u32,
 }
 
 impl LightSums {
-    /// Of a picture `width` pixels wide whose pixels have this `light`, row by row.
+    /// Sums the `light` of the pixels of a picture of `width` columns, row by row.
     pub fn new(width: usize, light: &[f64]) -> Self {
         let height = light.len() / width;
         let mut sums = Vec::with_capacity((width + 1) * height);
@@ -37,7 +37,7 @@ impl LightSums {
         Self { width, height, sums }
     }
 
-    /// Cell number `index` of `count`. Of 2^k cells, those whose numbers share their leading bits lie together.
+    /// Returns cell number `index` of `count`. Among 2^k cells, those whose numbers share their leading bits lie together.
     pub fn cell(&self, index: u32, count: u32) -> Cell {
         let mut cell = Cell { rows: 0..self.height, columns: 0..self.width, samples: count.max(1) };
         let mut index = index.min(cell.samples - 1);
@@ -58,7 +58,7 @@ impl LightSums {
         cell
     }
 
-    /// Whether `cell` is wider than high, across its middle. A single row or column is not cut along itself.
+    /// Returns true if `cell` is wider than high, measured across its middle. A single row or column is not cut along itself.
     fn is_wide(&self, cell: &Cell) -> bool {
         let middle = 0.5 * (cell.rows.start + cell.rows.end) as f64 / self.height as f64;
         let sine = (std::f64::consts::PI * middle).sin();
@@ -66,13 +66,13 @@ impl LightSums {
         cell.columns.len() > 1 && (wide || cell.rows.len() == 1)
     }
 
-    /// The light of `columns` of `row`.
+    /// Returns the light of `columns` of `row`.
     fn light(&self, row: usize, columns: Range<usize>) -> f64 {
         let sums = &self.sums[row * (self.width + 1)..][..=self.width];
         sums[columns.end] - sums[columns.start]
     }
 
-    /// Where to cut `cell` so that the columns before have `share` of its light.
+    /// Returns the column at which to cut `cell` so that the columns before have `share` of its light.
     fn column_at(&self, cell: &Cell, share: f64) -> usize {
         let Range { start, end } = cell.columns;
         let before = |column: usize| cell.rows.clone().map(|row| self.light(row, start..column)).sum::<f64>();
@@ -85,7 +85,7 @@ impl LightSums {
         nearer(low, start + 1, wanted, before)
     }
 
-    /// Where to cut `cell` so that the rows above have `share` of its light.
+    /// Returns the row at which to cut `cell` so that the rows above have `share` of its light.
     fn row_at(&self, cell: &Cell, share: f64) -> usize {
         let Range { start, end } = cell.rows;
         let mut above = vec![0.0];
@@ -99,7 +99,7 @@ impl LightSums {
     }
 }
 
-/// Of the cut `at` and the one before it, the one whose light is nearer to what is `wanted`.
+/// Returns the one of the cut `at` and the cut before it whose light is nearer to `wanted`.
 fn nearer(at: usize, first: usize, wanted: f64, light: impl Fn(usize) -> f64) -> usize {
     let is_before = at > first && wanted - light(at - 1) < light(at) - wanted;
     if is_before { at - 1 } else { at }
@@ -160,7 +160,7 @@ mod tests {
         // Nothing is left out, and nothing counts twice.
         let sum: f64 = cells.iter().map(|cell| light_of(cell, width, &light) / f64::from(cell.samples)).sum();
         assert!((sum / light.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        // Nor where there is no light at all.
+        // The same without any light.
         let dark = LightSums::new(4, &[0.0; 8]);
         assert_eq!((0..100).map(|index| dark.cell(index, 100).columns.start).max(), Some(3));
     }

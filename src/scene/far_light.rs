@@ -11,7 +11,7 @@ use std::fmt;
 /// Largest intensity of a light.
 const MAX_INTENSITY: f64 = 1e6;
 
-/// A light from far away: `THETA,PHI[,INTENSITY]`, a point of the sky; `sun:THETA,PHI[,INTENSITY]`, the sun's disc; or
+/// Distant light: `THETA,PHI[,INTENSITY]`, a point of the sky; `sun:THETA,PHI[,INTENSITY]`, the sun's disc; or
 /// `disc:SIZE:THETA,PHI[,INTENSITY]`, a disc of this angular diameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FarLight {
@@ -31,7 +31,7 @@ pub const SUN: f64 = 0.533;
 const LARGEST_DISC: f64 = 180.0;
 
 impl FarLight {
-    /// A light `THETA,PHI` or `THETA,PHI,INTENSITY`, angles in plain degrees.
+    /// Parses a light `THETA,PHI` or `THETA,PHI,INTENSITY`, angles in plain degrees.
     ///
     /// # Errors
     /// Another number of fields, 0 ≤ theta ≤ 90, |phi| ≤ 360 or 0 < intensity ≤ 10⁶ violated.
@@ -77,15 +77,16 @@ impl FarLight {
         Ok(light)
     }
 
-    /// The unit vector to the light's centre, `theta` from the world's up (+z), `phi` from +x toward +y. Its intensity is the irradiance
-    /// over π: a white diffuse surface that faces a light of intensity 1 has a radiance of 1.
+    /// Returns the unit vector to the light's centre, `theta` from the world's up (+z), `phi` from +x toward +y. The intensity is the
+    /// irradiance over π: a white diffuse surface that faces a light of intensity 1 has a radiance of 1.
     pub fn direction(&self) -> Vec3 {
         direction(self.theta, self.phi).as_vec3()
     }
 
-    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets. Directions are spread evenly over a disc around the light's
-    /// centre, by the map of Shirley and Chiu (1997), which keeps neighbours together. Each stands for four times its part of the
-    /// variance, and the disc is smaller by as much, so that all samples together have the light's. Few samples look at the centre.
+    /// Returns the sample at `point` (uniform in 0 … 1) of `count` samples. The map of Shirley and Chiu (1997) spreads the directions
+    /// evenly over a disc around the light's centre and keeps neighbours together. Each sample has four times the variance of its part of
+    /// the disc. The disc of the directions is smaller by as much, so that all samples together have the variance of the light. Up to four
+    /// samples are all at the centre.
     pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
         let centre = direction(self.theta, self.phi);
         let share = (WIDER / f64::from(count.max(1))).min(1.0);
@@ -103,14 +104,14 @@ impl FarLight {
         }
     }
 
-    /// Variance of the disc's directions along each axis across its centre: ⟨sin² α⟩/2 over its solid angle.
+    /// Returns the variance of the disc's directions along each axis across its centre: ⟨sin² α⟩/2 over its solid angle.
     fn variance(&self) -> f64 {
         let cap = 1.0 - (0.5 * self.size).to_radians().cos();
         (cap - cap * cap / 3.0) / 2.0
     }
 
-    /// The light without the extent that `coherence` holds already: light of a coherence length comes from directions that spread by
-    /// λ/(√8 π σ), which is the sun's disc for sunlight.
+    /// Subtracts from the light's extent the part that `coherence` contains already: light of coherence length σ has directions that spread
+    /// by λ/(√8 π σ), the sun's disc for sunlight.
     #[must_use]
     pub fn beyond(self, coherence: &Coherence) -> Self {
         let held = spread_of(coherence);
@@ -131,7 +132,7 @@ impl fmt::Display for FarLight {
     }
 }
 
-/// Angular diameter of a light that is a disc, as in `5deg` \[degrees\].
+/// Parses the angular diameter of a disc, as in `5deg` \[degrees\].
 fn disc(size: &str, light: &str) -> Result<f64> {
     let degrees = units::angle(size).map_err(|e| e.at(format!("'{light}'")))?;
     if degrees > 0.0 && degrees <= LARGEST_DISC {
@@ -169,7 +170,7 @@ mod tests {
         let variance = directions.iter().map(|d| d.dot(across).powi(2)).sum::<f64>() / count;
         assert!((variance / light.variance() - 1.0).abs() < 1e-3);
         assert!((light.incident([0.1, 0.2], 4).direction - centre).length() < 1e-7);
-        // However many samples there are, their spread and what each averages over make up the light's variance.
+        // For any number of samples, their spread and the variance of each add up to the light's variance.
         for count in [5, 16, 100] {
             let all = (0..side * side)
                 .map(|i| light.incident([place((i % side) as usize), place((i / side) as usize)], count));

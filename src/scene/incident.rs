@@ -1,25 +1,25 @@
-//! What a sample of a picture gets from a light, and what lights of all kinds share.
+//! Light samples of a picture, and helpers of all kinds of lights.
 
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::MIDDLE;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// By how much wider than its own part of a light a sample averages. With parts that just touch, the sum of their blurs would go up and down from
-/// one to the next; twice the width (four times the variance) leaves little of that (Křivánek and Colbert 2008, 4.2).
+/// Variance of a sample's average relative to the variance of its part of the light. If the parts just touched, the sum of their blurs
+/// would ripple; twice the width (four times the variance) leaves little of the ripple (Křivánek and Colbert 2008, 4.2).
 pub(super) const WIDER: f64 = 4.0;
 
-/// What one sample of a picture gets from a light: one direction or one point, which stands for a part of the light.
+/// Light sample: one direction or one point, which stands for a part of the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
-    /// Unit vector to the light, from the middle of the scene where it is a lamp.
+    /// Unit vector to the light; to a lamp, from the middle of the scene.
     pub direction: DVec3,
-    /// The point of a lamp.
+    /// Point of a lamp; `None` for a distant light.
     pub place: Option<LampPoint>,
-    /// Irradiance over π of a surface that faces the light, linear sRGB: a white diffuse surface has this radiance. Of a lamp, at distance 1
-    /// straight before it; [`LampPoint::falloff`] has the rest.
+    /// Irradiance over π of a surface that faces the light, linear sRGB: a white diffuse surface has this radiance. For a lamp, the value
+    /// at distance 1 on the axis, which [`LampPoint::falloff`] scales.
     pub irradiance: Vec3,
-    /// Variance of the directions that the sample stands for, along each axis across `direction`; of a lamp, of the points.
+    /// Variance of the sample's directions along each axis across `direction`; for a lamp, variance of its points.
     pub variance: f64,
 }
 
@@ -33,29 +33,29 @@ impl Incident {
 pub struct LampPoint {
     /// The point \[units of the scene\].
     pub point: DVec3,
-    /// Where to the lamp emits.
+    /// Angular distribution of the emission.
     pub emits: Emits,
 }
 
-/// Where to a lamp emits.
+/// Angular distribution of a lamp's emission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Emits {
-    /// Everywhere, as a sphere does. Light falls off with the square of the distance from the middle, and a point that is farther counts for more:
-    /// the mean over the points of a disc is what the sphere gives to any surface that sees all of it.
+    /// Isotropic, for a sphere. Light falls off with the cube of the distance from the middle, times the distance of the point: the mean
+    /// over the points of a disc is then the light of the sphere on any surface that sees all of it.
     AllAround {
-        /// Of the lamp.
+        /// Middle of the lamp.
         middle: DVec3,
     },
-    /// As a diffuse face does.
+    /// Lambertian, for a face.
     ToOneSide {
-        /// Unit vector.
+        /// Unit normal of the face.
         normal: DVec3,
     },
 }
 
 impl LampPoint {
-    /// Irradiance of a surface at `place` that faces the point, relative to that at distance 1 straight before the lamp. The twin of `falloff`
-    /// in `geometry.frag`.
+    /// Returns the irradiance of a surface at `place` that faces the point, relative to that at distance 1 on the lamp's axis. Twin of
+    /// `falloff` in `geometry.frag`.
     pub fn falloff(&self, place: DVec3) -> f64 {
         match self.emits {
             Emits::AllAround { middle } => self.point.distance(place) / middle.distance(place).powi(3),
@@ -67,12 +67,12 @@ impl LampPoint {
     }
 }
 
-/// Variance of the directions, along each axis, that light of `coherence` comes from.
+/// Returns the variance of the directions of light with this `coherence`, along each axis.
 pub(super) fn spread_of(coherence: &Coherence) -> f64 {
     coherence.sigma().map_or(0.0, |sigma| (MIDDLE / (8f64.sqrt() * PI * sigma)).powi(2))
 }
 
-/// Takes the unit square to the unit disc so that equal areas stay equal: radius and angle.
+/// Maps the unit square to the unit disc, equal areas to equal areas; returns radius and angle.
 pub(super) fn concentric([u, v]: [f64; 2]) -> (f64, f64) {
     let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     if x == 0.0 && y == 0.0 {

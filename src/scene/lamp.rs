@@ -8,14 +8,14 @@ use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 use std::fmt;
 
-/// A lamp: an even, diffuse emitter.
+/// Lamp: a uniform, diffuse emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
-    /// What it looks like.
+    /// Shape of the emitter.
     pub shape: LampShape,
-    /// Its middle \[units of the scene\].
+    /// Middle \[units of the scene\].
     pub middle: DVec3,
-    /// How bright it is.
+    /// Radiance or power.
     pub strength: Strength,
 }
 
@@ -31,27 +31,27 @@ pub enum LampShape {
     Rectangle {
         /// Width and height \[units of the scene\].
         size: [f64; 2],
-        /// The point that it faces; the middle of the scene by default.
+        /// Point that the rectangle faces; the middle of the scene by default.
         faces: Option<DVec3>,
     },
 }
 
-/// How bright a lamp is, in units in which a light of intensity 1 gives an irradiance of π.
+/// Strength of a lamp, in units in which a light of intensity 1 gives an irradiance of π.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Strength {
-    /// The middle of the scene gets as much as from a light of intensity 1.
+    /// The middle of the scene gets the light of intensity 1.
     #[default]
     Suited,
     /// Radiance.
     Radiance(f64),
-    /// Power \[W\], of which a light of intensity 1 gives π W/m².
+    /// Power \[W\]; a light of intensity 1 gives π W/m².
     Power(f64),
 }
 
-/// Where and how large a scene is.
+/// Position and size of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Room {
-    /// Middle of what is lit \[units of the scene\].
+    /// Middle of the lit scene \[units of the scene\].
     pub centre: DVec3,
     /// Length of a unit \[m\].
     pub unit: f64,
@@ -65,14 +65,14 @@ const SPHERE: &str = "write sphere:DIAMETER:X,Y,Z[,STRENGTH] in units of the sce
 const RECTANGLE: &str = "write rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z of what it faces] in units of the scene, as in rectangle:0.4x0.2:0,-1,1";
 
 impl Lamp {
-    /// Whether `text` names a lamp.
+    /// Returns true if `text` describes a lamp.
     pub fn is_named_by(text: &str) -> bool {
         let kind = text.split(':').next().map(str::trim);
         matches!(kind, Some("sphere" | "rectangle"))
     }
 
-    /// The lamp `sphere:DIAMETER:X,Y,Z[,STRENGTH]` or `rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z]`. The strength is a radiance, or a power
-    /// with a W behind it.
+    /// Parses the lamp `sphere:DIAMETER:X,Y,Z[,STRENGTH]` or `rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z]`. The strength is a radiance,
+    /// or a power with a W behind it.
     ///
     /// # Errors
     /// Another form, or numbers out of range.
@@ -105,7 +105,7 @@ impl Lamp {
         }
     }
 
-    /// Its radiance in `room`, where a light of intensity 1 gives an irradiance of π.
+    /// Returns the radiance in `room`, in units in which a light of intensity 1 gives an irradiance of π.
     pub fn radiance(&self, room: &Room) -> f64 {
         match self.strength {
             Strength::Radiance(radiance) => radiance,
@@ -115,10 +115,11 @@ impl Lamp {
         }
     }
 
-    /// The lamp without the extent that `coherence` holds already, as the middle of `room` sees it; its irradiance stays.
+    /// Subtracts from the lamp's extent, as seen from the middle of `room`, the part that `coherence` contains already; the irradiance
+    /// stays.
     #[must_use]
     pub fn beyond(self, coherence: &Coherence, room: &Room) -> Self {
-        /// A lamp keeps this share of its size, so that its radiance stays finite.
+        /// Smallest remaining share of a lamp's size, which keeps its radiance finite.
         const LEAST: f64 = 1e-3;
         let held = spread_of(coherence) * self.distance(room).powi(2);
         let left = |own: f64| (1.0 - held / own).max(0.0).sqrt().max(LEAST);
@@ -135,7 +136,7 @@ impl Lamp {
         Self { strength: Strength::Radiance(radiance), ..smaller }
     }
 
-    /// The lamp turned by `degrees` about the vertical through the middle of `room`.
+    /// Rotates the lamp by `degrees` about the vertical through the middle of `room`.
     #[must_use]
     pub fn turned(self, degrees: f64, room: &Room) -> Self {
         let turned = |point: DVec3| {
@@ -149,9 +150,9 @@ impl Lamp {
         Self { middle: turned(self.middle), shape, ..self }
     }
 
-    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets: a point of the lamp, which stands for a part of it that has the same
-    /// variance along both axes. Points are drawn from a lamp that is smaller by as much, as those of
-    /// [`super::far_light::FarLight::incident`]. Those of a sphere are of the disc that the middle of `room` sees.
+    /// Returns the sample at `point` (uniform in 0 … 1) of `count` samples: a point that stands for a part of the lamp with the same
+    /// variance along both axes. The points are drawn from a smaller lamp, as by [`super::far_light::FarLight::incident`]. For a sphere
+    /// they are drawn from the disc that the middle of `room` sees.
     pub fn incident(&self, point: [f64; 2], count: u32, room: &Room) -> Incident {
         let share = (WIDER / f64::from(count.max(1))).min(1.0);
         let normal = self.normal(room);
@@ -178,7 +179,7 @@ impl Lamp {
         }
     }
 
-    /// The corners of a rectangle, of a sphere those of the square around what the middle of `room` sees, in turn.
+    /// Returns the corners of a rectangle, or of the square around the outline of a sphere as seen from the middle of `room`, in turn.
     pub fn corners(&self, room: &Room) -> [DVec3; 4] {
         let [across, up] = axes(self.normal(room));
         let [width, height] = match self.shape {
@@ -189,12 +190,12 @@ impl Lamp {
         [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]
     }
 
-    /// Distance from the middle of the scene; that of its surface where the lamp stands there.
+    /// Returns the distance from the middle of the scene; at least the radius of a disc with the area of the outline.
     fn distance(&self, room: &Room) -> f64 {
         self.middle.distance(room.centre).max(0.5 * (self.outline() / PI).sqrt())
     }
 
-    /// The direction that the lamp faces.
+    /// Returns the unit normal of the lamp toward the scene.
     fn normal(&self, room: &Room) -> DVec3 {
         let faced = match self.shape {
             LampShape::Rectangle { faces: Some(point), .. } => point,
@@ -203,7 +204,7 @@ impl Lamp {
         (faced - self.middle).try_normalize().unwrap_or(DVec3::NEG_Z)
     }
 
-    /// Area that is seen from straight before the lamp \[units of the scene, squared\].
+    /// Returns the area of the outline, seen along the axis \[units of the scene, squared\].
     fn outline(&self) -> f64 {
         match self.shape {
             LampShape::Sphere { diameter } => PI * diameter * diameter / 4.0,
@@ -211,7 +212,7 @@ impl Lamp {
         }
     }
 
-    /// Area that emits.
+    /// Returns the area of the emitting surface.
     fn surface(&self) -> f64 {
         match self.shape {
             LampShape::Sphere { .. } => 4.0 * self.outline(),
@@ -220,18 +221,18 @@ impl Lamp {
     }
 }
 
-/// The horizontal and the other axis of what faces along `normal`.
+/// Returns the horizontal and the other axis of a surface with this `normal`.
 fn axes(normal: DVec3) -> [DVec3; 2] {
     let across = DVec3::Z.cross(normal).try_normalize().unwrap_or(DVec3::X);
     [across, normal.cross(across)]
 }
 
-/// Variance of the points of a disc along an axis.
+/// Returns the variance of the points of a disc along an axis.
 fn variance_of_disc(diameter: f64) -> f64 {
     diameter * diameter / 16.0
 }
 
-/// Variance of the points of a rectangle along a side.
+/// Returns the variance of the points of a rectangle along a side.
 fn variance_of_side(side: f64) -> f64 {
     side * side / 12.0
 }

@@ -1,4 +1,4 @@
-//! Lights: what emits, a point or disc of the sky or a lamp, and the spectrum that it emits.
+//! Lights: an emitter, which is a point or disc of the sky or a lamp, and its spectrum.
 
 use super::far_light::FarLight;
 use super::incident::Incident;
@@ -12,43 +12,44 @@ use std::path::{Path, PathBuf};
 /// A light of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// What emits.
+    /// Emitter.
     pub emitter: Emitter,
-    /// Its spectrum; `None`: that of the scene's illuminant.
+    /// Spectrum; `None`: that of the scene's illuminant.
     pub spectrum: Option<LightSpectrum>,
 }
 
-/// The spectrum of a light, and where it is from.
+/// Spectrum of a light, and its name or file.
 #[derive(Clone, PartialEq)]
 pub struct LightSpectrum {
-    /// Name of an illuminant that is built in, or a file.
+    /// Name of a built-in illuminant, or of a file.
     name: String,
     /// The illuminant.
     pub illuminant: Illuminant,
 }
 
-/// What emits the light of a scene.
+/// Emitter of a light: its position and shape, without a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Emitter {
-    /// So far away that all of the scene sees it in the same direction.
+    /// Light at infinity: all of the scene sees it in the same direction.
     Far(FarLight),
-    /// In the scene.
+    /// Lamp in the scene.
     Lamp(Lamp),
 }
 
 impl Light {
-    /// What emits as [`Emitter::parse`] reads it, and behind an `@` the spectrum, as [`Illuminant::from_name_or_file`] reads it.
+    /// Parses a light: an emitter, as [`Emitter::parse`] reads it, and optionally `@` and a spectrum, as [`Illuminant::from_name_or_file`]
+    /// reads it.
     ///
     /// # Errors
-    /// As both of them.
+    /// Those of both functions.
     pub fn parse(text: &str) -> Result<Self> {
         Self::parse_in(text, Path::new(""))
     }
 
-    /// The same in a scene file; the name of a file starts from `folder`.
+    /// Parses a light of a scene file; the names of files are relative to `folder`.
     ///
     /// # Errors
-    /// As [`Self::parse`].
+    /// See [`Self::parse`].
     pub fn parse_in(text: &str, folder: &Path) -> Result<Self> {
         let (emitter, spectrum) = match text.split_once('@') {
             Some((emitter, name)) => (emitter, Some(LightSpectrum::named(name.trim(), folder, text)?)),
@@ -57,22 +58,22 @@ impl Light {
         Ok(Self { emitter: Emitter::parse(emitter)?, spectrum })
     }
 
-    /// A point of the sky, as [`FarLight`] has it.
+    /// Returns a point of the sky with the angles and the intensity of [`FarLight`].
     pub fn point(theta: f64, phi: f64, intensity: f64) -> Self {
         FarLight { theta, phi, intensity, size: 0.0 }.into()
     }
 
-    /// Whether it stands in the scene.
+    /// Returns true if the light is a lamp in the scene.
     pub fn is_lamp(&self) -> bool {
         matches!(self.emitter, Emitter::Lamp(_))
     }
 
-    /// The illuminant of its own, where it has one.
+    /// Returns the light's illuminant; `None`: that of the scene.
     pub fn illuminant(&self) -> Option<&Illuminant> {
         self.spectrum.as_ref().map(|spectrum| &spectrum.illuminant)
     }
 
-    /// The light, without its spectrum where none of `others` has the same illuminant.
+    /// Returns the light, without its spectrum if none of `others` has the same illuminant.
     #[must_use]
     pub fn known_to(&self, others: &[Self]) -> Self {
         let is_known =
@@ -80,16 +81,16 @@ impl Light {
         Self { emitter: self.emitter, spectrum: self.spectrum.as_ref().filter(is_known).cloned() }
     }
 
-    /// The light with what `change` makes of what emits.
+    /// Returns the light with its emitter replaced by the result of `change`.
     #[must_use]
     pub fn map(&self, change: impl FnOnce(Emitter) -> Emitter) -> Self {
         Self { emitter: change(self.emitter), spectrum: self.spectrum.clone() }
     }
 
-    /// The same as a scene file or an option says it, where `name` says the name of a spectrum's file.
+    /// Writes the light in the form of scene files and options; `name` returns the name of a spectrum's file.
     ///
     /// # Errors
-    /// What `name` returns.
+    /// Those of `name`.
     pub fn to_text(&self, name: impl FnOnce(&Path) -> Result<String>) -> Result<String> {
         let name = match &self.spectrum {
             None => return Ok(self.emitter.to_string()),
@@ -100,7 +101,7 @@ impl Light {
 }
 
 impl LightSpectrum {
-    /// The illuminant of that name, or the file of that name in `folder`. The error names the `light`.
+    /// Returns the illuminant of that name, or the file of that name in `folder`. The error names the `light`.
     fn named(name: &str, folder: &Path, light: &str) -> Result<Self> {
         if name.is_empty() {
             return Err(Error::usage(
@@ -119,35 +120,35 @@ impl LightSpectrum {
         Ok(Self { name, illuminant })
     }
 
-    /// The illuminant of that name that is part of the program.
+    /// Returns the built-in illuminant of that name.
     pub fn built_in(name: &str) -> Option<Self> {
         let illuminant = Illuminant::built_in(name)?;
         Some(Self { name: name.to_ascii_lowercase(), illuminant })
     }
 
-    /// Its name, or its file's.
+    /// Returns the name of the illuminant or of its file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its file, where it has one.
+    /// Returns the file; `None` for a built-in illuminant.
     pub fn file(&self) -> Option<PathBuf> {
         (!Illuminant::is_built_in(&self.name)).then(|| self.name.clone().into())
     }
 }
 
 impl fmt::Debug for LightSpectrum {
-    /// What it is, wherever it is from.
+    /// Writes the illuminant, wherever it is from.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.illuminant.fmt(f)
     }
 }
 
 impl Emitter {
-    /// A lamp, or `THETA,PHI[,INTENSITY]`, a point of the sky, `sun:…` or `disc:SIZE:…`.
+    /// Parses a lamp, or `THETA,PHI[,INTENSITY]`, a point of the sky, `sun:…` or `disc:SIZE:…`.
     ///
     /// # Errors
-    /// As [`Lamp::parse`] and [`FarLight::parse`].
+    /// Those of [`Lamp::parse`] and [`FarLight::parse`].
     pub fn parse(text: &str) -> Result<Self> {
         if Lamp::is_named_by(text) {
             Lamp::parse(text).map(Self::Lamp)
@@ -156,7 +157,7 @@ impl Emitter {
         }
     }
 
-    /// What emits without the extent that `coherence` holds already.
+    /// Subtracts from the emitter's extent the part that `coherence` contains already.
     #[must_use]
     pub fn beyond(self, coherence: &Coherence, room: &Room) -> Self {
         match self {
@@ -165,7 +166,7 @@ impl Emitter {
         }
     }
 
-    /// The same turned by `degrees` about the vertical through the middle of `room`.
+    /// Rotates the emitter by `degrees` about the vertical through the middle of `room`.
     #[must_use]
     pub fn turned(self, degrees: f64, room: &Room) -> Self {
         match self {
@@ -174,7 +175,7 @@ impl Emitter {
         }
     }
 
-    /// The same as the middle of `room` sees it: a point of the sky. What is below the horizon is moved up to it.
+    /// Returns the light as seen from the middle of `room`: a point of the sky. A light below the horizon is moved up to it.
     pub fn from_afar(&self, room: &Room) -> FarLight {
         let lamp = match self {
             Self::Far(light) => return *light,
@@ -185,7 +186,7 @@ impl Emitter {
         FarLight { theta, phi: to_lamp.y.atan2(to_lamp.x).to_degrees(), intensity: 1.0, size: 0.0 }
     }
 
-    /// What the sample at `point` (uniform in 0 … 1) of `count` samples gets in `room`.
+    /// Returns the sample at `point` (uniform in 0 … 1) of `count` samples in `room`.
     pub fn incident(&self, point: [f64; 2], count: u32, room: &Room) -> Incident {
         match self {
             Self::Far(light) => light.incident(point, count),

@@ -7,16 +7,16 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// The most triangles that a mesh may have: 5 GB while it is built, where no vertex is shared.
+/// Largest number of triangles of a mesh: 5 GB while it is built, if no vertex is shared.
 pub const MAX_TRIANGLES: usize = 8_000_000;
 
 /// The largest absolute coordinate: squares of products of coordinates still fit an `f32`.
 const MAX_COORDINATE: f32 = 1e9;
 
-/// Sine of the smallest angle that a triangle is kept for; anything thinner has no direction that an `f32` can hold.
+/// Sine of the smallest angle of a triangle that is kept; a thinner one has no direction that an `f32` can hold.
 const THINNEST: f64 = 1e-6;
 
-/// Called with what is being done, how much of it is done, and of how much. What it returns ends the work.
+/// Progress callback: name of the step, count done and total count. An error from it ends the work.
 pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
 
 /// One vertex, laid out as the vertex buffer holds it: 48 bytes, no padding.
@@ -63,10 +63,10 @@ impl Mesh {
         Self::build(triangles, &|_, _, _| Ok(()))
     }
 
-    /// As [`Mesh::from_triangles`], and tells `progress` about its steps.
+    /// Builds a mesh like [`Mesh::from_triangles`], with reports to `progress`.
     ///
     /// # Errors
-    /// As [`Mesh::from_triangles`], and what `progress` returns.
+    /// Those of [`Mesh::from_triangles`] and of `progress`.
     pub(super) fn build(mut triangles: Vec<[Corner; 3]>, progress: &Progress<'_>) -> Result<Self> {
         let step = |done| progress("building the mesh", done, 4);
         step(0)?;
@@ -100,12 +100,12 @@ impl Mesh {
         })))
     }
 
-    /// A mesh with known frames. The caller guarantees the invariants of [`Mesh`].
+    /// Returns a mesh with known frames. The caller guarantees the invariants of [`Mesh`].
     pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
         Self { bounds: Bounds::of(vertices.iter()), vertices, indices }
     }
 
-    /// The mesh in another frame: `turn` is a rotation, applied to positions, normals and tangents.
+    /// Rotates positions, normals and tangents of the mesh by `turn`.
     #[must_use]
     pub fn turned(mut self, turn: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
         for v in &mut self.vertices {
@@ -117,10 +117,10 @@ impl Mesh {
         self
     }
 
-    /// The mesh `size` times as large, and moved by `offset`.
+    /// Scales the mesh by `size`, then moves it by `offset`.
     ///
     /// # Errors
-    /// Where a coordinate is then beyond ±10⁹, or all of the mesh in one place.
+    /// A coordinate beyond ±10⁹ after that, or all of the mesh in one point.
     pub fn moved(mut self, size: f32, offset: Vec3) -> Result<Self> {
         for v in &mut self.vertices {
             v.position = (size * Vec3::from(v.position) + offset).to_array();
@@ -136,29 +136,29 @@ impl Mesh {
         ))
     }
 
-    /// All vertices, ready for a vertex buffer.
+    /// Returns all vertices, ready for a vertex buffer.
     pub fn vertices(&self) -> &[Vertex] {
         &self.vertices
     }
 
-    /// Three vertex numbers per triangle, ready for an index buffer.
+    /// Returns three vertex indices per triangle, ready for an index buffer.
     pub fn indices(&self) -> &[u32] {
         &self.indices
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.indices.len() / 3
     }
 
-    /// A sphere around everything.
+    /// Returns the bounding sphere.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 }
 
 impl Bounds {
-    /// A sphere around all of `meshes`.
+    /// Returns a sphere around all of `meshes`.
     pub fn around(meshes: &[&Mesh]) -> Self {
         match meshes {
             [one] => one.bounds,
@@ -196,7 +196,7 @@ fn check(corner: &Corner) -> Result<()> {
     }
 }
 
-/// Whether a triangle spans an area, relative to its own size.
+/// Returns true if a triangle spans an area, relative to its size.
 fn has_area(triangle: &[Corner; 3]) -> bool {
     let [a, b, c] = triangle.map(|corner| Vec3::from(corner.position).as_dvec3());
     let longest = [b - a, c - b, a - c].map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
@@ -225,7 +225,7 @@ pub(super) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Fails unless `mesh` keeps what [`Mesh`] promises.
+    /// Fails unless `mesh` keeps the invariants of [`Mesh`].
     pub fn assert_sound(mesh: &Mesh) {
         assert!(!mesh.indices.is_empty() && mesh.indices.len().is_multiple_of(3));
         assert!(mesh.indices.iter().all(|&i| (i as usize) < mesh.vertices.len()));

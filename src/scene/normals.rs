@@ -26,8 +26,7 @@ pub(super) fn complete(triangles: &[[Corner; 3]]) -> Vec<[CompleteCorner; 3]> {
         .collect()
 }
 
-/// Sums of face normals at each position, weighted by the angle that the face has there. A sheet with two opposite
-/// sides sums to nothing.
+/// Sums the face normals at each position, weighted by the angle of the face there. The sum of a sheet with two opposite sides is 0.
 fn smooth_normals(triangles: &[[Corner; 3]]) -> HashMap<[u32; 3], DVec3> {
     let mut sums = HashMap::new();
     for triangle in triangles {
@@ -43,14 +42,14 @@ fn smooth_normals(triangles: &[[Corner; 3]]) -> HashMap<[u32; 3], DVec3> {
     sums
 }
 
-/// Unit normal by the winding.
+/// Returns the unit normal by the winding.
 fn face_normal(triangle: &[Corner; 3]) -> DVec3 {
     let [a, b, c] = [0, 1, 2].map(|k| place(&triangle[k]));
     (b - a).cross(c - a).normalize_or(DVec3::Z)
 }
 
-/// Texture coordinates on the side of a box that `normal` points to: v goes up the four walls (y), u goes right as
-/// seen from outside; on the lid u is x and v is −z, on the floor u is x and v is z.
+/// Returns texture coordinates on the side of a box that `normal` points to: v goes up the four walls (y), u goes right as seen from
+/// outside; on the lid u is x and v is −z, on the floor u is x and v is z.
 fn project(position: [f32; 3], normal: DVec3) -> Vec2 {
     let [x, y, z] = position;
     let size = normal.abs();

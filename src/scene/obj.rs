@@ -1,11 +1,11 @@
 //! Wavefront OBJ files.
 //!
-//! All objects and groups of a file become one mesh; materials, lines, points and colours are left out. Polygons are
-//! cut into triangles, concave ones too. If a single face has no texture coordinates, those of the whole file are
-//! projected as [`Corner::uv`] says, so that one rule holds for all of it; normals likewise become smooth ones.
+//! All objects and groups of a file become one mesh; materials, lines, points and colours are left out. Polygons are cut into triangles,
+//! concave ones too. If a single face has no texture coordinates, those of the whole file are projected as [`Corner::uv`] says, so that one
+//! rule holds for all of it; normals likewise become smooth ones.
 //!
-//! A file is read twice. The first pass judges every line and counts, so that limits and memory are checked before a mesh is made; the second is
-//! tobj's, of the lines that make the mesh.
+//! A file is read twice. The first pass checks and counts every line, so that limits and memory are checked before a mesh is made. The
+//! second pass is tobj's, over the lines that make the mesh.
 
 use super::corner::Corner;
 use super::mesh::{MAX_TRIANGLES, Mesh, Progress};
@@ -20,47 +20,47 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-/// The largest file that is read, in bytes.
+/// Largest file \[bytes\].
 pub const MAX_BYTES: u64 = 512 << 20;
 
-/// What some programs put in front of text.
+/// Byte order mark that some programs put in front of text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// The byte that begins a comment.
 const COMMENT: u8 = b'#';
 
-/// Most corners of one face: a second of work. Nobody models faces of so many corners; of concave ones fewer are read.
+/// Largest number of corners of one face: a second of work. Real faces have far fewer; the limit of concave ones is lower.
 const MAX_CORNERS: usize = 1 << 17;
 
-/// What a triangle takes at the peak, while its mesh is built: 420 bytes were measured of a fan of 130 000, 640 of a million
-/// that share no vertex.
+/// Peak memory per triangle while a mesh is built: measured 420 bytes for a fan of 130 000, 640 for a million that share no vertex.
 const BYTES_PER_TRIANGLE: u64 = 700;
 
-/// Bytes of text between two reports of progress: some milliseconds.
+/// Text between two reports of progress \[bytes\]: some milliseconds.
 const REPORT_EVERY: usize = 1 << 20;
 
-/// The most characters of a word that an error shows.
+/// Largest length of a word in an error \[characters\].
 const SHOWN: usize = 40;
 
-/// Reads the mesh in the OBJ file at `path`, or the `part` of it that an object, a group or a material of this name makes, and tells `progress`.
+/// Reads the mesh in the OBJ file at `path`, or only the `part` that is an object, a group or a material of this name, with reports to
+/// `progress`.
 ///
 /// # Errors
-/// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; a part that it does not have; otherwise as [`from_bytes`]. The
-/// error names the file. Also what `progress` returns.
+/// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; a part that it does not have; otherwise those of
+/// [`from_bytes`]. The error names the file. Also errors of `progress`.
 pub fn load(path: &Path, part: Option<&str>, progress: &Progress<'_>) -> Result<Mesh> {
     read(path).and_then(|bytes| parse(&bytes, part, progress)).map_err(|e| e.at(path.display()))
 }
 
-/// The mesh in the text of an OBJ file.
+/// Reads the mesh in the text of an OBJ file.
 ///
 /// # Errors
-/// Text that is empty or not an OBJ, a line that is cut short or malformed (named by its number), an index that points
-/// at nothing, no faces, more than [`MAX_TRIANGLES`], more than the memory holds; and as [`Mesh::from_triangles`].
+/// Text that is empty or not an OBJ, a line that is cut short or malformed (named by its number), an index that points at nothing, no
+/// faces, more than [`MAX_TRIANGLES`], more than the memory holds; and those of [`Mesh::from_triangles`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Mesh> {
     parse(bytes, None, &|_, _, _| Ok(()))
 }
 
-/// The whole of [`from_bytes`] or a `part`; fails with what `progress` returns.
+/// Reads the whole of the text or a `part`; fails with the error of `progress`.
 fn parse(bytes: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Mesh> {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
@@ -82,7 +82,7 @@ fn parse(bytes: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Me
     Mesh::build(triangles, progress)
 }
 
-/// What tobj reads of `geometry`, or the error of `progress`.
+/// Reads `geometry` with tobj; fails with the error of `progress`.
 fn models(geometry: &str, progress: &Progress<'_>) -> Result<Vec<tobj::Model>> {
     let stopped = RefCell::new(None);
     let text = ToldText { text: geometry.as_bytes(), done: 0, told: 0, progress, stopped: &stopped };
@@ -98,10 +98,10 @@ fn models(geometry: &str, progress: &Progress<'_>) -> Result<Vec<tobj::Model>> {
     Ok(models)
 }
 
-/// What the second pass is called.
+/// Name of the second pass in progress reports.
 const READING: &str = "reading faces";
 
-/// Text that tells how much of it was read, and ends where that is answered with an error.
+/// Reader that reports progress and stops when cancelled.
 struct ToldText<'a> {
     text: &'a [u8],
     done: usize,
@@ -125,7 +125,7 @@ impl Read for ToldText<'_> {
     }
 }
 
-/// The bytes of the file, if it is one and not too large.
+/// Reads the file, if it is a plain one and not too large.
 fn read(path: &Path) -> Result<Vec<u8>> {
     let failed = |e: io::Error| Error::failed(format!("cannot read the mesh ({e})"), "check the path");
     let about = fs::metadata(path).map_err(failed)?;
@@ -157,7 +157,7 @@ fn not_an_obj() -> Error {
 }
 
 /// Calls `act` with every line of `text`; errors name the line. Lines end in \n, \r\n or \r. A backslash at the end joins the next line, except
-/// in a comment. Names and comments may be in any encoding; what matters is ASCII.
+/// in a comment. Names and comments may be in any encoding; all other words are ASCII.
 fn each_line(
     text: &[u8],
     what: &'static str,
@@ -178,7 +178,7 @@ fn each_line(
     Ok(())
 }
 
-/// The first line of `text`, what it goes on with included, the bytes that it takes with its end, and the number of ends.
+/// Returns the first line of `text` with its continuations, its length with its end \[bytes\], and the number of line ends.
 fn next_line(text: &[u8]) -> (Cow<'_, [u8]>, usize, usize) {
     let mut joined: Option<Vec<u8>> = None;
     let (mut start, mut ends) = (0, 0);
@@ -208,15 +208,15 @@ fn next_line(text: &[u8]) -> (Cow<'_, [u8]>, usize, usize) {
     }
 }
 
-/// The beginning of a word, quoted.
+/// Returns the beginning of a word, quoted.
 fn quoted(word: &str) -> String {
     format!("{:?}", word.chars().take(SHOWN).collect::<String>())
 }
 
-/// What a first pass finds. tobj trusts indices and invents what faces lack, so each line is judged before it sees it.
+/// Result of the first pass. tobj trusts indices and invents missing attributes, so each line is checked before tobj sees it.
 #[derive(Default)]
 struct Survey {
-    /// The lines that make the mesh, as they are, without what tobj would act upon besides.
+    /// Lines that make the mesh, unchanged; lines on which tobj would act otherwise are left out.
     geometry: String,
     /// Numbers of v, vt and vn lines so far.
     counts: [usize; 3],
@@ -224,30 +224,30 @@ struct Survey {
     largest: [(usize, usize); 3],
     /// First index that counts back from the latest normal before any normal, and its line.
     early_normal: Option<(i64, usize)>,
-    /// Whether a face has no vt, no vn.
+    /// True if a face has no vt, no vn.
     lacks: [bool; 3],
     triangles: usize,
     parts: Parts,
 }
 
-/// The parts of the file by name, and which of them is wanted.
+/// Parts of the file by name, and the selected one.
 #[derive(Default)]
 struct Parts {
-    /// Whose faces are kept; `None`: those of all.
+    /// Name of the part whose faces are kept; `None`: all faces.
     wanted: Option<String>,
-    /// Names of the object, the groups and the material that faces belong to now.
+    /// Names of the current object, groups and material.
     current: [Vec<String>; 3],
-    /// All names, as far as errors list them.
+    /// Names of the file, as many as errors list.
     known: BTreeSet<String>,
-    /// Whether a face belongs to the part that is wanted.
+    /// True if a face belongs to the selected part.
     found: bool,
 }
 
 impl Parts {
-    /// Names that an error lists at most.
+    /// Largest number of names that an error lists.
     const LISTED: usize = 12;
 
-    /// Takes a line that names what the faces behind it belong to.
+    /// Reads a line that names the object, group or material of the faces behind it.
     fn line(&mut self, words: &[&str]) {
         let kind = match words.first() {
             Some(&"o") => 0,
@@ -263,7 +263,7 @@ impl Parts {
         }
     }
 
-    /// Whether a face here is one of those that are wanted.
+    /// Returns true if a face at this place belongs to the selected part.
     fn keeps(&mut self) -> bool {
         let Some(wanted) = &self.wanted else { return true };
         let keeps = self.current.iter().flatten().any(|name| name == wanted);
@@ -271,7 +271,7 @@ impl Parts {
         keeps
     }
 
-    /// Fails where no face belongs to the part that is wanted.
+    /// Fails if no face belongs to the selected part.
     fn check(&self) -> Result<()> {
         let Some(wanted) = self.wanted.as_ref().filter(|_| !self.found) else { return Ok(()) };
         let known: Vec<&str> = self.known.iter().map(String::as_str).collect();
@@ -286,10 +286,10 @@ impl Parts {
 
 const TAGS: [&str; 3] = ["v", "vt", "vn"];
 
-/// Place of normals in [`TAGS`].
+/// Index of normals in [`TAGS`].
 const NORMAL: usize = 2;
 
-/// The line up to its comment. Names keep theirs: exporters write materials such as `Material #25`.
+/// Returns the line up to its comment. Names may contain the comment sign: exporters write materials such as `Material #25`.
 fn without_comment(line: &str) -> &str {
     match line.split_whitespace().next() {
         Some("v" | "vt" | "vn" | "f") => line.split(char::from(COMMENT)).next().unwrap_or(line),
@@ -334,7 +334,7 @@ impl Survey {
         Ok(())
     }
 
-    /// Takes the indices of normals out of the faces: other programs ignore them too in a file without normals.
+    /// Removes the indices of normals from the faces: other programs ignore them too in a file without normals.
     fn drop_normals(&mut self) -> Result<()> {
         if self.largest[NORMAL].0 == 0 && self.early_normal.is_none() {
             return Ok(());
@@ -367,7 +367,7 @@ impl Survey {
                 "cut large faces into triangles before exporting",
             ));
         }
-        // No other line has so many words that count.
+        // No other line has as many relevant words.
         let words: Vec<&str> = line.split_whitespace().take(MAX_CORNERS + 1).collect();
         let kept = match words.first() {
             // A fourth number is a weight; more are colours, which would only be refused for odd counts.
@@ -391,7 +391,7 @@ impl Survey {
         Ok(())
     }
 
-    /// A line of at least `least` numbers.
+    /// Reads a line of at least `least` numbers.
     fn numbers(&mut self, kind: usize, least: usize, words: &[&str]) -> Result<()> {
         // A position may have a weight, which is a number as well.
         let checked = if kind == 0 && words.len() == 4 { 4 } else { least };
@@ -433,7 +433,7 @@ impl Survey {
         Ok(())
     }
 
-    /// One of `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or back from the latest with −1.
+    /// Reads one of `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or back from the latest with −1.
     fn corner(&mut self, number: usize, word: &str) -> Result<()> {
         let malformed = || {
             Error::failed(
@@ -478,7 +478,7 @@ fn no_such(index: i64, kind: usize, count: usize) -> Error {
 /// Corners between two reports of progress: some milliseconds.
 const CORNERS_A_REPORT: usize = 1 << 16;
 
-/// Adds the faces of one tobj mesh to `triangles`, each attribute looked up by its own index.
+/// Adds the faces of one tobj mesh to `triangles`; positions, texture coordinates and normals have separate indices.
 fn cut_faces(
     mesh: &tobj::Mesh,
     survey: &Survey,
@@ -509,7 +509,7 @@ fn cut_faces(
     Ok(())
 }
 
-/// Corners of each face. tobj lists none where all faces are triangles.
+/// Returns the number of corners of each face. tobj lists none if all faces are triangles.
 fn face_sizes(mesh: &tobj::Mesh) -> impl Iterator<Item = usize> {
     let listed = mesh.face_arities.iter().map(|&count| count as usize);
     let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };

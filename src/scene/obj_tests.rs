@@ -11,13 +11,13 @@ fn parse(text: &str) -> Result<Mesh> {
     from_bytes(text.as_bytes())
 }
 
-/// A file of `faces` triangles beside each other.
+/// Returns a file of `faces` triangles beside each other.
 fn strip(faces: usize) -> String {
     let vertices: String = (0..faces + 2).map(|i| format!("v {} {} 0\n", i / 2, i % 2)).collect();
     vertices + &(1..=faces).map(|i| format!("f {} {} {}\n", i, i + 1, i + 2)).collect::<String>()
 }
 
-/// The error of `text`, which must name `part`.
+/// Asserts that `text` is refused with an error that names `part`.
 fn assert_refused(text: &str, part: &str) {
     let e = parse(text).map(|m| m.triangle_count()).unwrap_err().to_string();
     assert!(e.contains(part) && e.contains("; ") && !e.contains('\n'), "{text:?}: {e}");
@@ -61,7 +61,7 @@ fn objects_are_merged_and_polygons_cut_into_triangles() {
     assert_eq!(mesh.triangle_count(), 5);
 }
 
-/// Area of the triangles of a mesh in the plane z = 0.
+/// Returns the area of the triangles of a mesh in the plane z = 0.
 fn area(mesh: &Mesh) -> f32 {
     let corner = |&i: &u32| Vec3::from(mesh.vertices()[i as usize].position);
     let double = |t: &[u32]| (corner(&t[1]) - corner(&t[0])).cross(corner(&t[2]) - corner(&t[0])).z;
@@ -185,7 +185,7 @@ fn reading_tells_how_far_it_is_and_ends_at_once_when_it_is_cancelled() {
         let times = told.iter().filter(|(now, _)| *now == what).count();
         assert!(times > text.len() / REPORT_EVERY, "{what} {times} times in {} bytes", text.len());
     }
-    // Whichever report is answered with an error is the last one.
+    // A report that returns an error is the last one.
     for last in 1..=told.len() {
         let calls = Cell::new(0);
         let cancel = |_: &str, _, _| {

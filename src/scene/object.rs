@@ -1,5 +1,4 @@
-//! What stands in a scene: a mesh, what its surface is, and how it is turned. A scene has one object that options of the program change, and any number
-//! beside it.
+//! Objects of a scene: a mesh with its surface and its position. Options of the program change the first object of a scene alone.
 
 use super::mesh::{Bounds, Mesh, Progress};
 use super::{obj, primitives, snake};
@@ -14,36 +13,36 @@ use glam::{EulerRot, Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The most objects of a scene.
+/// Largest number of objects of a scene.
 pub const MAX_OBJECTS: usize = 64;
 
-/// A thing in a scene beside the first.
+/// Object of a scene beside the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// The mesh, where it stands in the world.
+    /// Mesh in world coordinates.
     pub mesh: Mesh,
-    /// Where the mesh is from.
+    /// Source of the mesh.
     pub mesh_source: MeshSource,
-    /// Where it stands.
+    /// Position, rotation and size.
     pub pose: Pose,
-    /// The height field; `None`: nothing is diffracted, and the pigment is seen alone.
+    /// Height field; `None`: nothing is diffracted, and the pigment is seen alone.
     pub surface: Option<SurfaceSource>,
-    /// How the patch of the height field lies on the mesh.
+    /// Orientation of the height field's patch on the mesh.
     pub grooves: Grooves,
-    /// What the surface reflects, where the scene says.
+    /// Reflectance of the surface, if the scene gives it.
     pub reflectance: Option<Reflectance>,
     /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
     /// Pigment texture, multiplied with the base colour.
     pub pigment: Option<PathBuf>,
-    /// Whether it is the ground, which shows shadows and casts none.
+    /// True for the ground, which shows shadows and casts none.
     pub is_ground: bool,
 }
 
-/// Where an object stands: its mesh is made `size` times as large, turned about the world's x, y and z in this order, and moved.
+/// Placement of an object: its mesh is scaled by `size`, rotated about the world's x, y and z in this order, and moved to `position`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Where the origin of the mesh stands.
+    /// Position of the mesh's origin.
     pub position: Vec3,
     /// Angles about x, y and z \[degrees\].
     pub rotation: [f64; 3],
@@ -58,7 +57,7 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// The mesh where it stands.
+    /// Moves the mesh to its place in the world.
     pub(super) fn place(&self, mesh: Mesh) -> Result<Mesh> {
         if *self == Self::default() {
             return Ok(mesh);
@@ -69,22 +68,22 @@ impl Pose {
     }
 }
 
-/// How the patch of a height field lies in the tangent frame of a mesh, whose T is the direction in which u grows and whose B that of v.
+/// Orientation of the patch of a height field in the tangent frame of a mesh: T is the direction of growing u, B that of growing v.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Grooves {
-    /// Its x along T.
+    /// x along T.
     #[default]
     Along,
-    /// Its x turned from T toward B by an angle \[degrees\].
+    /// x at an angle from T toward B \[degrees\].
     Turned(f64),
-    /// Its x away from the middle of the texture, (0.5, 0.5): the lines of a grating whose heights vary along x are circles there.
+    /// x away from the middle of the texture, (0.5, 0.5): the lines of a grating whose heights vary along x are circles there.
     Radial,
-    /// Its x turned from T toward B by the grey value of a picture over (u, v): black is 0, white a full turn.
+    /// x at the angle from T toward B that a grey picture over (u, v) gives: black is 0, white a full turn.
     Map(PathBuf),
 }
 
 impl Grooves {
-    /// An angle with its unit, `radial`, or the name of a picture, which starts from `folder`.
+    /// Parses an angle with its unit, `radial`, or the name of a picture, relative to `folder`.
     pub(super) fn parse(text: &str, folder: &Path) -> Result<Self> {
         match text {
             "radial" => Ok(Self::Radial),
@@ -93,19 +92,19 @@ impl Grooves {
         }
     }
 
-    /// The picture, where there is one.
+    /// Returns the picture, if there is one.
     pub fn file(&self) -> Option<&PathBuf> {
         if let Self::Map(file) = self { Some(file) } else { None }
     }
 }
 
 impl Object {
-    /// The ground of this `color` below everything within `bounds`, whose lowest point has the height `z`.
+    /// Returns the ground of this `color` below everything within `bounds`, whose lowest point has the height `z`.
     ///
     /// # Errors
-    /// Where it would reach beyond ±10⁹.
+    /// A ground that reaches beyond ±10⁹.
     pub(super) fn ground(color: Vec3, bounds: Bounds, z: f32) -> Result<Self> {
-        /// Radius of the ground, per radius of what stands on it: its edge stands behind the scene and not in it.
+        /// Radius of the ground relative to that of the objects on it: its edge stands behind the scene and not in it.
         const EXTENT: f32 = 4.0;
         let pose = Pose {
             position: bounds.centre.truncate().extend(z),
@@ -125,7 +124,7 @@ impl Object {
         })
     }
 
-    /// The files that it consists of.
+    /// Returns the files of the object.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         let surface = self.surface.as_ref().filter(|surface| surface.kind().is_none());
         let material = self.reflectance.as_ref().and_then(Reflectance::file);
@@ -143,20 +142,20 @@ impl Object {
 }
 
 impl MeshSource {
-    /// The mesh of this name in a scene file in `folder`.
+    /// Returns the mesh of this name in a scene file in `folder`.
     pub(super) fn named(name: &str, up: Up, part: Option<String>, folder: &Path) -> Self {
         let name = if BUILT_IN_MESHES.contains(&name) { name.into() } else { folder.join(name) };
         Self { name, up, part }
     }
 
-    /// The file, where it is one.
+    /// Returns the file; `None` for a built-in mesh.
     pub(super) fn file(&self) -> Option<PathBuf> {
         let is_built_in = self.name.to_str().is_some_and(|name| BUILT_IN_MESHES.contains(&name));
         (!is_built_in).then(|| self.name.clone())
     }
 }
 
-/// A surface as a scene file in `folder` names it: a generated one, or a file.
+/// Returns the name of a surface in a scene file in `folder`: a generated surface, or a file.
 pub(super) fn surface_name(name: &str, folder: &Path) -> PathBuf {
     if synth::SurfaceKind::from_name(name).is_some() { name.into() } else { folder.join(name) }
 }
@@ -169,32 +168,32 @@ pub(super) fn check_colors(channels: impl IntoIterator<Item = f64>) -> Result<()
     Err(Error::failed("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"))
 }
 
-/// Where a mesh is from.
+/// Source of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshSource {
     /// A built-in mesh, or a file.
     pub name: PathBuf,
-    /// Which axis of the file points up.
+    /// Axis of the file that points up.
     pub up: Up,
-    /// The object, group or material of the file whose faces it has; `None`: all of them.
+    /// Object, group or material of the file to select; `None`: all faces.
     pub part: Option<String>,
 }
 
-/// Which axis of the mesh file points up.
+/// Axis of a mesh file that points up.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, Default, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Up {
-    /// The second one.
+    /// Second axis.
     #[default]
     Y,
-    /// The third one.
+    /// Third axis.
     Z,
 }
 
 /// Meshes that scene files can name instead of a file.
 pub(super) const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
 
-/// What the surface reflects: a material of that name or in that file, below a film.
+/// Returns the reflectance: a material of that name or in that file, below a film.
 pub(super) fn reflectance(
     material: Option<&str>,
     film: Option<&str>,
@@ -214,17 +213,17 @@ pub(super) fn reflectance(
         Material::from_name_or_file(folder.join(name))
     };
     let film = film.map(Film::parse).transpose()?;
-    Ok(Some(Reflectance::Fresnel { material: material?, film }))
+    Ok(Some(Reflectance::of_material(material?, film)))
 }
 
-/// The steps of `prepare`, each as on the command line without the dashes.
+/// Parses the steps of `prepare`, each as on the command line without the dashes.
 pub(super) fn steps(words: &[String]) -> Result<Vec<PreparationStep>> {
     let step = |text: &String| PreparationStep::parse(text).map_err(|e| e.at("prepare"));
     let steps: Vec<PreparationStep> = words.iter().map(step).collect::<Result<_>>()?;
     Ok(steps.into_iter().filter(|step| !step.is_nothing()).collect())
 }
 
-/// The mesh, upright.
+/// Opens the mesh and turns it upright.
 pub(super) fn open_mesh(source: &MeshSource, progress: &Progress<'_>) -> Result<Mesh> {
     let MeshSource { name, up, part } = source;
     let built_in = match name.to_str() {

@@ -4,16 +4,17 @@ use crate::error::{Error, Result};
 use earcut::Earcut;
 use glam::DVec3;
 
-/// Most corners of a face that no fan covers. Tangled ones of so many take about a second.
+/// Largest number of corners of a face that no fan covers. Cutting a tangled face of this size takes about a second.
 const MAX_CORNERS: usize = 1 << 14;
 
-/// Sine of the smallest angle for which a triangle counts as turned over; thinner ones have no direction in `f32` and make no triangle of a mesh.
+/// Sine of the smallest angle for which a triangle counts as turned over; thinner ones have no direction in `f32` and make no triangle of a
+/// mesh.
 const THINNEST: f64 = 1e-6;
 
 /// Height of a triangle relative to the largest coordinate, below which its direction is the rounding of coordinates to `f32`: four times half a bit.
 const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 
-/// Cutter of polygons; keeps its memory from one polygon to the next.
+/// Cutter of polygons, whose buffers are reused from one polygon to the next.
 #[derive(Default)]
 pub(super) struct PolygonCutter {
     earcut: Earcut<f64>,
@@ -22,11 +23,11 @@ pub(super) struct PolygonCutter {
 }
 
 impl PolygonCutter {
-    /// Cuts the polygon `corners`, at least 3, into triangles. Returns numbers of corners, three a triangle, turning as the polygon does.
+    /// Cuts the polygon `corners`, at least 3, into triangles. Returns corner indices, three a triangle, with the winding of the polygon.
     ///
-    /// A fan from the first corner where no triangle of the fan is turned over, as in convex polygons. Otherwise ears, which every polygon has (Meisters
-    /// 1975, "Polygons have ears"), seen along the axis that is nearest to the normal. Polygons without an area or that cross themselves
-    /// have no inside, and some triangles cover them.
+    /// The triangles are a fan from the first corner if none of them is turned over, as in convex polygons. Otherwise they are ears, which
+    /// every polygon has (Meisters 1975, "Polygons have ears"), seen along the axis that is nearest to the normal. Polygons without an area
+    /// or that cross themselves have no inside, and some triangles cover them.
     ///
     /// # Errors
     /// A polygon that no fan covers, of more than [`MAX_CORNERS`].
@@ -65,18 +66,18 @@ impl PolygonCutter {
     }
 }
 
-/// Numbers of the corners of a fan from the first of `count` corners.
+/// Returns the corner indices of a fan from the first of `count` corners.
 fn fan(count: usize) -> impl Iterator<Item = [u32; 3]> {
     (2..count as u32).map(|k| [0, k - 1, k])
 }
 
-/// Twice the area of a triangle, along its normal. Over a fan the sum is that of the polygon (Newell's normal).
+/// Returns twice the area of a triangle, along its normal. Over a fan the sum is that of the polygon (Newell's normal).
 fn cross(corners: &[DVec3], triangle: [u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|k| corners[k as usize]);
     (b - a).cross(c - a)
 }
 
-/// True if the triangle faces away from `normal` and is higher than `rounding`.
+/// Returns true if the triangle faces away from `normal` and is higher than `rounding`.
 fn is_turned_over(corners: &[DVec3], triangle: [u32; 3], normal: DVec3, rounding: f64) -> bool {
     let [a, b, c] = triangle.map(|k| corners[k as usize]);
     let longest = [b - a, c - b, a - c].map(DVec3::length).into_iter().fold(0.0, f64::max);
@@ -84,8 +85,8 @@ fn is_turned_over(corners: &[DVec3], triangle: [u32; 3], normal: DVec3, rounding
     cross(corners, triangle).dot(normal) < -least * normal.length()
 }
 
-/// The two coordinates across the axis that is nearest to `normal`, in the order in which the polygon turns counter-clockwise. Coordinates stay as
-/// they are, so that corners in a line along an axis remain in a line.
+/// Projects onto the two coordinates across the axis that is nearest to `normal`, in the order in which the polygon is counter-clockwise.
+/// The coordinates keep their values, so that corners in a line along an axis remain in a line.
 fn seen_along(normal: DVec3, p: DVec3) -> [f64; 2] {
     let [x, y, z] = normal.abs().to_array();
     let (seen, is_along) = match () {

@@ -12,7 +12,7 @@ fn flat(corners: &[[f64; 2]]) -> Vec<DVec3> {
     corners.iter().map(|&[x, y]| DVec3::new(x, y, 0.0)).collect()
 }
 
-/// Triangles of a polygon in the plane z = 0.
+/// Returns the triangles of a polygon in the plane z = 0.
 fn cut(corners: &[[f64; 2]]) -> Vec<[[f64; 2]; 3]> {
     let mut cutter = PolygonCutter::default();
     let numbers = cutter.cut(&flat(corners)).unwrap();
@@ -23,7 +23,7 @@ fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2.0
 }
 
-/// Sum of the areas, none of which may be negative.
+/// Returns the sum of the areas, none of which may be negative.
 fn sound_area(triangles: &[[[f64; 2]; 3]]) -> f64 {
     assert!(triangles.iter().all(|&t| area(t) >= 0.0), "{triangles:?}");
     triangles.iter().map(|&t| area(t)).sum()
@@ -127,7 +127,7 @@ fn polygons_without_an_area_and_tangled_ones_neither_panic_nor_take_long() {
 }
 
 proptest! {
-    /// Stars around the origin, turned anywhere: the area of the polygon is known, and each triangle faces as the polygon does.
+    /// Checks stars around the origin, turned anywhere: the area of the polygon is known, and each triangle has the winding of the polygon.
     #[test]
     fn stars_in_any_plane_are_covered_once(
         radii in prop::collection::vec(0.2f64..1.0, 3..40),

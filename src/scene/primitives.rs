@@ -6,7 +6,7 @@ use std::f32::consts::{PI, TAU};
 /// Radius of a compact disc's innermost track, per outer radius.
 const DISC_HOLE: f32 = 0.19;
 
-/// A square of side 1 in the xy plane, centred on the origin, facing +z: T = +x, B = +y, uv from (0, 0) to (1, 1).
+/// Returns a square of side 1 in the xy plane, centred on the origin, facing +z: T = +x, B = +y, uv from (0, 0) to (1, 1).
 pub fn plate() -> Mesh {
     lattice(1, 1, |x, y| Vertex {
         position: [x - 0.5, y - 0.5, 0.0],
@@ -16,9 +16,8 @@ pub fn plate() -> Mesh {
     })
 }
 
-/// A sphere of radius 1 around the origin with its poles on the y axis: T points east, B north, uv = (longitude,
-/// latitude) in radians. Each triangle at a pole has a vertex of its own there, with the frame of the triangle's
-/// middle meridian.
+/// Returns a sphere of radius 1 around the origin with its poles on the y axis: T points east, B north, uv = (longitude, latitude) in
+/// radians. Each triangle at a pole has a separate vertex there, with the frame of the triangle's middle meridian.
 pub fn sphere() -> Mesh {
     const SEGMENTS: usize = 128;
     lattice(SEGMENTS, SEGMENTS / 2, |x, y| {
@@ -35,8 +34,8 @@ pub fn sphere() -> Mesh {
     })
 }
 
-/// A compact disc in the xy plane, facing +z: an annulus from radius 0.19 to 1 around the origin. T points outward
-/// along the radius, across the tracks, B along the tracks, counter-clockwise; uv = (radius, angle in radians).
+/// Returns a compact disc in the xy plane, facing +z: an annulus from radius 0.19 to 1 around the origin. T points outward along the
+/// radius, across the tracks, B along the tracks, counter-clockwise; uv = (radius, angle in radians).
 pub fn disc() -> Mesh {
     lattice(4, 256, |x, y| {
         let radius = DISC_HOLE + (1.0 - DISC_HOLE) * x;
@@ -50,7 +49,7 @@ pub fn disc() -> Mesh {
     })
 }
 
-/// A round plate of radius 1 in the xy plane, centred on the origin, facing +z: T = +x, B = +y.
+/// Returns a round plate of radius 1 in the xy plane, centred on the origin, facing +z: T = +x, B = +y.
 pub fn ground() -> Mesh {
     const SEGMENTS: usize = 96;
     let at = |x: f32, y: f32| Vertex {
@@ -68,8 +67,8 @@ pub fn ground() -> Mesh {
     Mesh::from_parts(vertices, indices)
 }
 
-/// `columns` × `rows` cells of `vertex(x, y)`, both from 0 to 1 with u along x and v along y, outside to the left of
-/// u → v. Triangles with two corners in one place are left out.
+/// Returns a mesh of `columns` × `rows` cells of `vertex(x, y)`, both from 0 to 1 with u along x and v along y, outside to the left of u →
+/// v. Triangles with two corners in one place are left out.
 fn lattice(columns: usize, rows: usize, vertex: impl Fn(f32, f32) -> Vertex) -> Mesh {
     let at = |k: usize, n: usize| k as f32 / n as f32;
     let vertices: Vec<_> = (0..=rows)
@@ -107,7 +106,7 @@ mod tests {
             let [n, t] = [Vec3::from(a.normal), Vec3::from_slice(&a.tangent)];
             let face = (q - p).cross(r - p);
             assert!(face.length() > 0.0 && face.normalize().dot(n) > 0.99);
-            // dP/du from the triangle's own edges.
+            // dP/du from the edges of the triangle.
             let [s, e] = [b, c].map(|v| Vec2::from(v.uv) - Vec2::from(a.uv));
             let along_u = ((q - p) * e.y - (r - p) * s.y) / s.perp_dot(e);
             assert!(along_u.normalize().dot(t) > 0.99, "{a:?}");

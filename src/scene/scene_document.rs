@@ -7,7 +7,8 @@ use crate::optics::color::Tone;
 use crate::units;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Scene file, with its keys in the order in which it is written. Tables stand behind plain values, as TOML needs it.
+/// Scene file, with its keys in the order in which it is written. Tables stand behind plain values, as TOML needs it. The keys of the main object stand at
+/// the top; serde reports unknown keys of flattened structs without a line, so they are repeated here.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneDocument {
@@ -53,6 +54,29 @@ pub(super) struct SceneDocument {
     pub objects: Vec<ObjectDocument>,
     #[serde(default, skip_serializing_if = "FileOptions::is_empty")]
     pub options: FileOptions,
+}
+
+impl SceneDocument {
+    /// Returns the document of the main object, whose keys stand at the top of the file.
+    pub fn main_object(&self) -> ObjectDocument {
+        ObjectDocument {
+            mesh: self.mesh.clone(),
+            up: self.up,
+            part: self.part.clone(),
+            position: Triple::default(),
+            rotation: Triple::default(),
+            size: 1.0,
+            surface: Some(self.surface.clone()),
+            pixel_size: self.pixel_size.clone(),
+            height: self.height.clone(),
+            prepare: self.prepare.clone(),
+            grooves: self.grooves.clone(),
+            material: self.material.clone(),
+            film: self.film.clone(),
+            base_color: self.base_color,
+            pigment: self.pigment.clone(),
+        }
+    }
 }
 
 /// Object of a scene file.

@@ -15,14 +15,12 @@ use super::{Mesh, Progress};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::optics::color::Tone;
-use crate::optics::reflectance::Reflectance;
 use crate::surface::SurfaceSource;
-use crate::surface::prepare::PreparationStep;
 use crate::surface::synth::SurfaceKind;
 use crate::units;
 use glam::Vec3;
 use serde::Deserialize;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// Names of the built-in scenes; the first is the default.
@@ -35,64 +33,45 @@ pub const BUILT_IN: [(&str, &str); 6] = [
     ("skin", include_str!("../../assets/scenes/skin.toml")),
 ];
 
-/// Length of a unit of scenes that do not say it, as of OBJ files \[um\]: a metre.
+/// Default length of a unit of scenes, as of OBJ files \[um\]: a metre.
 const UNIT: f64 = 1e6;
-/// What lengths with their unit are read as.
+/// Metres in the unit of parsed lengths.
 const METRES_PER_MICROMETRE: f64 = 1e-6;
 
-/// A scene: everything that a picture shows, before any option changes it.
+/// Scene: everything that a picture shows, before any option changes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The mesh, in a world whose up is +z.
-    pub mesh: Mesh,
-    /// Where the mesh is from.
-    pub mesh_source: MeshSource,
-    /// The surface: a built-in name or a file.
-    pub surface: OsString,
-    /// Distance between samples of a surface file, where the scene gives it \[µm\].
-    pub pixel_size: Option<[f64; 2]>,
-    /// Height of the file's largest code, where the scene gives it \[µm\].
-    pub full_height: Option<f64>,
-    /// What is done to the heights before use, in this order.
-    pub prepare: Vec<PreparationStep>,
+    /// Objects in a world whose up is +z, the ground last. Options of the program change the first one.
+    pub objects: Vec<Object>,
     /// The camera.
     pub camera: Camera,
     /// The lights.
     pub lights: Vec<Light>,
-    /// Surroundings that light the scene beside the lights.
+    /// Environment map that lights the scene beside the lights.
     pub environment: Option<Environment>,
-    /// Whether the mesh casts shadows on itself.
+    /// True if objects cast shadows on each other and on themselves.
     pub shadows: bool,
-    /// Albedo of the pigment, linear sRGB.
-    pub base_color: Vec3,
-    /// Pigment texture, multiplied with the base colour.
-    pub pigment: Option<PathBuf>,
-    /// How the patch of the height field lies on the mesh.
-    pub grooves: Grooves,
-    /// What else stands in the scene, the ground last.
-    pub objects: Vec<Object>,
-    /// What the surface reflects, where the scene says.
-    pub reflectance: Option<Reflectance>,
     /// Exposure of the display \[stops\].
     pub exposure: f64,
-    /// True if the exposure that suits the first picture is measured; `exposure` counts where nothing is lit.
+    /// True if the exposure is measured from the first picture; `exposure` is used for a picture without light.
     pub auto_exposure: bool,
-    /// What the display makes of highlights.
+    /// Tone curve of the display.
     pub tone: Tone,
-    /// What is displayed where nothing is covered.
+    /// Background of the pixels that no mesh covers.
     pub background: Background,
     /// Length of one unit of the scene's coordinates \[m\].
     pub unit: f64,
-    /// Options of the program that draws it, by name, with their values: what is computed and how. Nobody has checked them yet.
+    /// Options of the program that draws the scene, by name, with their values: parameters of the computation. They are not checked yet.
     pub options: Vec<[String; 2]>,
-    /// The files that the scene consists of: its own, those of mesh, surface and pigment.
+    /// Files of the scene: the scene file, and those of mesh, surface and pigment.
     pub files: Vec<PathBuf>,
-    /// A sphere around everything but the ground, where there are several objects: each frame asks, and they may have many vertices.
-    pub around: Bounds,
+    /// Bounding sphere of everything but the ground, if there are several objects. It is stored because each frame needs it and meshes may
+    /// have many vertices.
+    pub standing_bounds: Bounds,
 }
 
 impl EnvironmentDocument {
-    /// Opens the surroundings; names of files start from `folder`.
+    /// Opens the environment map; names of files are relative to `folder`.
     fn open(&self, folder: &Path) -> Result<Environment> {
         let name = if environment::is_built_in(&self.name) {
             self.name.clone().into()
@@ -107,7 +86,7 @@ impl EnvironmentDocument {
 }
 
 impl ObjectDocument {
-    /// Opens the object; names of files start from `folder`.
+    /// Opens the object; names of files are relative to `folder`.
     fn open(self, folder: &Path, progress: &Progress<'_>) -> Result<Object> {
         let Triple(base_color) = self.base_color;
         check_colors(base_color.map(f64::from))?;
@@ -151,18 +130,18 @@ impl ObjectDocument {
 }
 
 impl Scene {
-    /// A built-in scene by name, a scene file, or an OBJ file shown by the sphere's camera and lights.
+    /// Opens a built-in scene by name, a scene file, or an OBJ file shown by the sphere's camera and lights.
     ///
     /// # Errors
-    /// A name that is neither, or a file that does not hold a scene; says where and what to do.
+    /// A name that is neither, or a file that does not hold a scene; the message tells the place and the remedy.
     pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
         Self::open_telling(name.as_ref(), &|_, _, _| Ok(()))
     }
 
-    /// As [`Scene::open`], and tells `progress` how far a mesh file is read.
+    /// Opens a scene like [`Scene::open`], with reports to `progress` while a mesh file is read.
     ///
     /// # Errors
-    /// As [`Scene::open`], and what `progress` returns.
+    /// Those of [`Scene::open`] and of `progress`.
     pub fn open_telling(name: &OsStr, progress: &Progress<'_>) -> Result<Self> {
         if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
             return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {}", name.display())));
@@ -187,21 +166,22 @@ impl Scene {
 
     fn of_mesh(path: &Path, progress: &Progress<'_>) -> Result<Self> {
         let mut scene = Self::open("sphere")?;
-        scene.mesh_source = MeshSource { name: path.to_owned(), up: Up::Y, part: None };
-        scene.mesh = open_mesh(&scene.mesh_source, progress)?;
+        let object = scene.main_object_mut();
+        object.mesh_source = MeshSource { name: path.to_owned(), up: Up::Y, part: None };
+        object.mesh = open_mesh(&object.mesh_source, progress)?;
+        let bounds = object.mesh.bounds();
         scene.files.push(path.to_owned());
-        let bounds = scene.mesh.bounds();
-        /// A little air around the mesh.
+        /// Radius of the framed sphere relative to that of the mesh.
         const AIR: f32 = 1.1;
         scene.camera.target = bounds.centre;
         scene.camera.distance = AIR * bounds.radius / (scene.camera.field_of_view / 2.0).sin();
         Ok(scene)
     }
 
-    /// The scene in the text of a scene file; names of files in it start from `folder`.
+    /// Parses the text of a scene file; names of files in it are relative to `folder`.
     ///
     /// # Errors
-    /// As [`Scene::open`].
+    /// See [`Scene::open`].
     pub fn parse(text: &str, folder: &Path) -> Result<Self> {
         Self::read(text, folder, &|_, _, _| Ok(()))
     }
@@ -212,62 +192,27 @@ impl Scene {
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             Error::failed(format!("line {line}: {}", e.message()), remedy(e.message()))
         })?;
-        let Triple(base_color) = file.base_color;
         let background = file.background.color().to_array();
         let ground = file.ground.map(|Triple(color)| color);
-        let colors = [base_color, ground.unwrap_or_default()].concat().into_iter().map(f64::from);
-        check_colors(colors.chain(background))?;
+        check_colors(ground.unwrap_or_default().map(f64::from).into_iter().chain(background))?;
         if !(-40.0..=40.0).contains(&file.exposure.stops) {
             return Err(Error::failed("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
         let lights = file.lights.iter().map(|l| Light::parse_in(l, folder)).collect::<Result<Vec<_>>>()?;
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
-        let surface = surface_name(&file.surface, folder);
-        let built_in_surface = SurfaceKind::from_name(&file.surface).is_some();
-        let pigment = file.pigment.map(|p| folder.join(p));
-        let mesh_source = MeshSource::named(&file.mesh, file.up, file.part, folder);
-        let surface_file = (!built_in_surface).then(|| surface.clone());
-        let grooves =
-            file.grooves.as_deref().map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?;
-        let mesh = open_mesh(&mesh_source, progress)?;
-        let (objects, around) = objects(file.objects, &mesh, ground, folder, progress)?;
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
-        let reflectance = reflectance(file.material.as_deref(), file.film.as_deref(), folder)?;
-        let material_file = reflectance.as_ref().and_then(Reflectance::file);
         let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file());
-        let own_files = [
-            mesh_source.file(),
-            surface_file,
-            material_file,
-            environment_file,
-            pigment.clone(),
-            grooves.file().cloned(),
-        ];
+        let (objects, standing_bounds) = objects(file.main_object(), file.objects, ground, folder, progress)?;
         Ok(Self {
-            files: own_files
-                .into_iter()
-                .flatten()
-                .chain(spectra)
-                .chain(objects.iter().flat_map(Object::files))
-                .collect(),
-            mesh_source,
-            mesh,
-            grooves,
+            files: objects.iter().flat_map(Object::files).chain(environment_file).chain(spectra).collect(),
             objects,
-            around,
+            standing_bounds,
             options: scene_options::words(file.options, folder)?,
-            surface: surface.into_os_string(),
-            pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
-            full_height: file.height.as_deref().map(units::length).transpose()?,
-            prepare: steps(&file.prepare)?,
             camera: Camera::looking(file.camera.eye.0.into(), file.camera.target.0.into(), field_of_view)?,
             lights,
             environment: file.environment.as_ref().map(|e| e.open(folder)).transpose()?,
             shadows: file.shadows,
-            base_color: base_color.into(),
-            pigment,
-            reflectance,
             exposure: file.exposure.stops,
             auto_exposure: file.exposure.is_auto,
             tone: file.tone.0,
@@ -278,60 +223,80 @@ impl Scene {
 }
 
 impl Scene {
-    /// A sphere around everything but the ground.
+    /// Returns the object that options of the program change: the first.
+    ///
+    /// # Panics
+    /// Panics if there are no objects; a scene file has at least one.
+    pub fn main_object(&self) -> &Object {
+        &self.objects[0]
+    }
+
+    /// See [`Self::main_object`].
+    ///
+    /// # Panics
+    /// Panics if there are no objects.
+    pub fn main_object_mut(&mut self) -> &mut Object {
+        &mut self.objects[0]
+    }
+
+    /// Returns the surface of the main object; a flat one if it has none.
+    pub fn main_surface(&self) -> SurfaceSource {
+        let surface = self.main_object().surface.clone();
+        surface.unwrap_or_else(|| SurfaceSource::built_in(SurfaceKind::Flat))
+    }
+
+    /// Returns the bounding sphere of everything but the ground.
     pub fn bounds(&self) -> Bounds {
-        if self.objects.is_empty() { self.mesh.bounds() } else { self.around }
+        if let [only] = self.objects.as_slice() { only.mesh.bounds() } else { self.standing_bounds }
     }
 
-    /// The meshes of all objects, the first object first.
+    /// Returns the meshes of all objects.
     pub fn meshes(&self) -> impl Iterator<Item = &Mesh> {
-        std::iter::once(&self.mesh).chain(self.objects.iter().map(|object| &object.mesh))
+        self.objects.iter().map(|object| &object.mesh)
     }
 
-    /// The meshes of everything but the ground, the first object first.
+    /// Returns the meshes of everything but the ground.
     pub fn standing(&self) -> Vec<&Mesh> {
-        let others = self.objects.iter().filter(|object| !object.is_ground).map(|object| &object.mesh);
-        std::iter::once(&self.mesh).chain(others).collect()
+        self.objects.iter().filter(|object| !object.is_ground).map(|object| &object.mesh).collect()
     }
 
-    /// Distance from `centre` to the farthest point of anything.
+    /// Returns the distance from `centre` to the farthest point of all objects.
     pub fn reach(&self, centre: Vec3) -> f32 {
         let far = |mesh: &Mesh| mesh.bounds().centre.distance(centre) + mesh.bounds().radius;
         self.meshes().skip(1).map(far).fold(self.bounds().radius, f32::max)
     }
 }
 
-/// The objects of a scene file beside its first, which has this `mesh`, and the ground where it has a color; and what is around all but the ground.
+/// Opens the objects of a scene file, the ground last, if it has a color. Returns them with the bounding sphere of all but the ground.
 fn objects(
-    objects: Vec<ObjectDocument>,
-    mesh: &Mesh,
+    main: ObjectDocument,
+    others: Vec<ObjectDocument>,
     ground: Option<[f32; 3]>,
     folder: &Path,
     progress: &Progress<'_>,
 ) -> Result<(Vec<Object>, Bounds)> {
-    if objects.len() + 2 > MAX_OBJECTS {
+    if others.len() + 2 > MAX_OBJECTS {
         return Err(Error::failed(
-            format!("there are {} objects", objects.len()),
+            format!("there are {} objects", others.len()),
             format!("give at most {}", MAX_OBJECTS - 2),
         ));
     }
-    let open = |(i, object): (usize, ObjectDocument)| {
-        object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))
-    };
-    let mut objects = objects.into_iter().enumerate().map(open).collect::<Result<Vec<_>>>()?;
-    let standing: Vec<&Mesh> =
-        std::iter::once(mesh).chain(objects.iter().map(|object| &object.mesh)).collect();
-    let around = Bounds::around(&standing);
+    let mut objects = vec![main.open(folder, progress)?];
+    for (i, object) in others.into_iter().enumerate() {
+        objects.push(object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))?);
+    }
+    let meshes: Vec<&Mesh> = objects.iter().map(|object| &object.mesh).collect();
+    let bounds = Bounds::around(&meshes);
     if let Some(color) = ground {
         let lowest =
             |mesh: &Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
-        let z = standing.into_iter().map(lowest).fold(f32::INFINITY, f32::min);
-        objects.push(Object::ground(color.into(), around, z)?);
+        let z = meshes.into_iter().map(lowest).fold(f32::INFINITY, f32::min);
+        objects.push(Object::ground(color.into(), bounds, z)?);
     }
-    Ok((objects, around))
+    Ok((objects, bounds))
 }
 
-/// What to do about what the parser of TOML says: where a key is unknown, the one that it resembles.
+/// Returns the remedy for an error of the TOML parser: for an unknown key, the known key that resembles it.
 fn remedy(message: &str) -> String {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = quoted.next().filter(|_| message.starts_with("unknown field"));
@@ -345,7 +310,7 @@ fn remedy(message: &str) -> String {
     }
 }
 
-/// The options of the scene file called `name`, whose other content is not looked at; none of a built-in scene and of a mesh.
+/// Reads only the options of the scene file called `name`; a built-in scene and a mesh have none.
 ///
 /// # Errors
 /// A file that cannot be read or is no TOML.
@@ -361,7 +326,7 @@ pub fn options_of(name: &OsStr) -> Result<Vec<[String; 2]>> {
         #[serde(default)]
         options: FileOptions,
     }
-    // What is wrong with the rest is said when the scene is opened.
+    // Errors in the rest are reported when the scene is opened.
     let Ok(OptionsAlone { options }) = toml::from_str(&text) else { return Ok(Vec::new()) };
     scene_options::words(options, path.parent().unwrap_or(Path::new(""))).map_err(|e| e.at(path.display()))
 }
@@ -390,10 +355,10 @@ mod tests {
     fn every_built_in_scene_opens_and_stands_upright() {
         for (name, _) in BUILT_IN {
             let scene = Scene::open(name).unwrap();
-            assert!(!scene.lights.is_empty() && scene.mesh.triangle_count() > 0, "{name}");
+            assert!(!scene.lights.is_empty() && scene.main_object().mesh.triangle_count() > 0, "{name}");
         }
         let plate = Scene::open("plate").unwrap();
-        assert_eq!(plate.mesh.vertices()[0].normal, [0.0, 0.0, 1.0]);
+        assert_eq!(plate.main_object().mesh.vertices()[0].normal, [0.0, 0.0, 1.0]);
     }
 
     #[test]
@@ -417,9 +382,10 @@ mod tests {
     fn a_scene_prepares_its_surface_in_the_order_that_it_gives() {
         let plate = BUILT_IN[1].1;
         let with = |steps: &str| Scene::parse(&format!("prepare = {steps}\n{plate}"), Path::new(""));
-        let steps = with("[\"level rows\", \"crop 40um\", \"level none\", \"invert\"]").unwrap().prepare;
+        let steps_of = |scene: Scene| scene.main_object().surface.clone().unwrap().prepare;
+        let steps = steps_of(with("[\"level rows\", \"crop 40um\", \"level none\", \"invert\"]").unwrap());
         assert_eq!(crate::surface::prepare::describe(&steps), "level rows, crop 40um, invert");
-        assert!(Scene::parse(plate, Path::new("")).unwrap().prepare.is_empty());
+        assert!(steps_of(Scene::parse(plate, Path::new("")).unwrap()).is_empty());
         for (wrong, said) in
             [("[\"level top\"]", "prepare: there is no level `top`"), ("\"invert\"", "line 1")]
         {
@@ -465,8 +431,8 @@ mod tests {
         let two =
             scene("ground = [0.5, 0.5, 0.5]\ngrooves = \"30deg\"", &format!("{object}grooves = \"radial\""))
                 .unwrap();
-        assert_eq!(two.grooves, Grooves::Turned(30.0));
-        let [other, ground] = two.objects.as_slice() else { panic!("{} objects", two.objects.len()) };
+        assert_eq!(two.main_object().grooves, Grooves::Turned(30.0));
+        let [_, other, ground] = two.objects.as_slice() else { panic!("{} objects", two.objects.len()) };
         assert!(other.grooves == Grooves::Radial && other.surface.is_none() && !other.is_ground);
         // The plate's x leads down now, and its normal along x.
         let corner = other.mesh.vertices().iter().find(|v| v.uv == [1.0, 1.0]).unwrap();
@@ -475,7 +441,7 @@ mod tests {
         assert!(near(corner.normal, [1.0, 0.0, 0.0]), "{corner:?}");
         let lowest = ground.mesh.vertices()[0].position[2];
         assert!(ground.is_ground && lowest == 0.0, "{lowest}");
-        // What is framed is what stands on the ground; what is drawn reaches farther.
+        // The framed bounds leave out the ground; the drawn scene reaches farther.
         let bounds = two.bounds();
         assert!(bounds.radius < 3.0 && two.reach(bounds.centre) > 3.0 * bounds.radius);
         for (head, more, said) in [

@@ -15,13 +15,13 @@ pub(super) type FileOptions = BTreeMap<String, OptionValue>;
 pub(super) enum OptionValue {
     /// A text, which may name a file.
     Text(String),
-    /// A number, as short as it can be written.
+    /// Number, in its shortest form.
     Number(String),
-    /// Anything else, by its kind.
+    /// Value of another kind, with the name of that kind.
     Other(&'static str),
 }
 
-/// The `options` as names and words. Names of files that lie in `folder` start from there.
+/// Returns the `options` as names and words. Names of files in `folder` are joined to it.
 ///
 /// # Errors
 /// A value that is neither a text nor a number.
@@ -45,7 +45,7 @@ impl<'de> Deserialize<'de> for OptionValue {
     }
 }
 
-/// Numbers are written as texts, which read as the same words.
+/// Writes numbers as texts, which read as the same words.
 impl Serialize for OptionValue {
     fn serialize<S: Serializer>(&self, into: S) -> std::result::Result<S::Ok, S::Error> {
         let (Self::Text(word) | Self::Number(word)) = self else {
@@ -72,12 +72,12 @@ impl<'de> Visitor<'de> for ValueVisitor {
         Ok(OptionValue::Number(number.to_string()))
     }
 
-    /// A seed may be larger than the integers that TOML promises.
+    /// Accepts seeds beyond the integers that TOML guarantees.
     fn visit_u64<E>(self, number: u64) -> std::result::Result<OptionValue, E> {
         Ok(OptionValue::Number(number.to_string()))
     }
 
-    /// An integer beyond all seeds is a word that its option refuses.
+    /// Accepts an integer beyond all seeds as a word, which its option refuses.
     fn visit_u128<E>(self, number: u128) -> std::result::Result<OptionValue, E> {
         Ok(OptionValue::Number(number.to_string()))
     }
@@ -86,7 +86,7 @@ impl<'de> Visitor<'de> for ValueVisitor {
         Ok(OptionValue::Number(number.to_string()))
     }
 
-    /// `{:?}` writes 1e300, where `{}` writes 301 digits.
+    /// Accepts a number: `{:?}` writes 1e300, while `{}` writes 301 digits.
     fn visit_f64<E>(self, number: f64) -> std::result::Result<OptionValue, E> {
         Ok(OptionValue::Number(format!("{number:?}")))
     }
@@ -100,7 +100,7 @@ impl<'de> Visitor<'de> for ValueVisitor {
         Ok(OptionValue::Other("list"))
     }
 
-    /// A date is a table to the parser.
+    /// Refuses a table; a date is a table to the parser.
     fn visit_map<A: MapAccess<'de>>(self, mut table: A) -> std::result::Result<OptionValue, A::Error> {
         while table.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
         Ok(OptionValue::Other("table or a date"))

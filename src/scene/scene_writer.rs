@@ -12,6 +12,7 @@ use super::scene_options::OptionValue;
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::reflectance::Reflectance;
+use crate::surface::synth::SurfaceKind;
 use glam::Vec3;
 use std::path::Path;
 
@@ -41,10 +42,10 @@ impl ObjectDocument {
     }
 }
 
-/// Material and film of a scene file in `folder`.
+/// Returns the material and film of a scene file in `folder`.
 fn reflecting(reflectance: Option<&Reflectance>, folder: &Path) -> Result<[Option<String>; 2]> {
     match reflectance {
-        Some(Reflectance::Fresnel { material, film }) if material.constant_index().is_none() => {
+        Some(Reflectance::Fresnel { material, film, .. }) if material.constant_index().is_none() => {
             let name = &material.name;
             let is_built_in = Material::is_built_in(name);
             let name = if is_built_in { name.clone() } else { named_from(Path::new(name), folder)? };
@@ -54,7 +55,7 @@ fn reflecting(reflectance: Option<&Reflectance>, folder: &Path) -> Result<[Optio
     }
 }
 
-/// How the patch lies, as a scene file in `folder` says it.
+/// Writes the orientation of the patch in the form of a scene file in `folder`.
 fn grooves(grooves: &Grooves, folder: &Path) -> Result<Option<String>> {
     Ok(match grooves {
         Grooves::Along => None,
@@ -64,21 +65,22 @@ fn grooves(grooves: &Grooves, folder: &Path) -> Result<Option<String>> {
     })
 }
 
-/// A pair of lengths \[µm\] with its unit.
+/// Returns a pair of lengths \[µm\] with its unit.
 fn micrometres([x, y]: [f64; 2]) -> String {
     format!("{x}umx{y}um")
 }
 
 impl Scene {
-    /// The text of a scene file in `folder` that reads as this scene. Files that lie in the folder are named from there, others from the root.
+    /// Writes the text of a scene file in `folder` that reads as this scene. Names of files in the folder are relative to it, others
+    /// absolute.
     ///
     /// # Errors
-    /// For names of files that are not UTF-8.
+    /// Names of files that are not UTF-8.
     pub fn to_toml(&self, folder: &Path) -> Result<String> {
         let path = |path: &Path| named_from(path, folder);
-        let [material, film] = reflecting(self.reflectance.as_ref(), folder)?;
-        let [ground, objects]: [Vec<&Object>; 2] = [true, false]
-            .map(|is_ground| self.objects.iter().filter(|object| object.is_ground == is_ground).collect());
+        let main = ObjectDocument::of(self.main_object(), folder)?;
+        let [ground, others]: [Vec<&Object>; 2] = [true, false]
+            .map(|is_ground| self.objects.iter().skip(1).filter(|o| o.is_ground == is_ground).collect());
         let options = self.options.iter().map(|[name, value]| {
             let is_file = Path::new(value).is_file();
             let value = if is_file { path(Path::new(value))? } else { value.clone() };
@@ -86,18 +88,18 @@ impl Scene {
         });
         let file = SceneDocument {
             scale: Some(format!("{} m", significant(self.unit))),
-            mesh: path(&self.mesh_source.name)?,
-            up: self.mesh_source.up,
-            part: self.mesh_source.part.clone(),
-            surface: path(Path::new(&self.surface))?,
-            pixel_size: self.pixel_size.map(micrometres),
-            height: self.full_height.map(|height| format!("{height}um")),
-            prepare: self.prepare.iter().map(ToString::to_string).collect(),
-            base_color: Triple(self.base_color.to_array()),
-            pigment: self.pigment.as_deref().map(path).transpose()?,
-            grooves: grooves(&self.grooves, folder)?,
-            material,
-            film,
+            mesh: main.mesh,
+            up: main.up,
+            part: main.part,
+            surface: main.surface.unwrap_or_else(|| SurfaceKind::Flat.name().to_owned()),
+            pixel_size: main.pixel_size,
+            height: main.height,
+            prepare: main.prepare,
+            base_color: main.base_color,
+            pigment: main.pigment,
+            grooves: main.grooves,
+            material: main.material,
+            film: main.film,
             ground: ground.first().map(|ground| Triple(ground.base_color.to_array())),
             exposure: SceneExposure { stops: self.exposure, is_auto: self.auto_exposure },
             tone: ToneName(self.tone),
@@ -121,7 +123,7 @@ impl Scene {
                 target: Triple(self.camera.target.to_array()),
                 field_of_view: format!("{}deg", degrees(self.camera.field_of_view)),
             },
-            objects: objects.into_iter().map(|o| ObjectDocument::of(o, folder)).collect::<Result<_>>()?,
+            objects: others.into_iter().map(|o| ObjectDocument::of(o, folder)).collect::<Result<_>>()?,
             options: options.collect::<Result<_>>()?,
         };
         toml::to_string(&file).map_err(|e| {
@@ -130,7 +132,7 @@ impl Scene {
     }
 }
 
-/// The name of a file as a scene file in `folder` has it; what is no file, such as the name of something built in, as it is.
+/// Returns the name of a file relative to `folder`, if it lies there; a name of something built in is returned unchanged.
 fn named_from(path: &Path, folder: &Path) -> Result<String> {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let named = if path.is_file() {
@@ -145,12 +147,12 @@ fn named_from(path: &Path, folder: &Path) -> Result<String> {
         .ok_or_else(|| Error::failed(format!("the name {} is not UTF-8", path.display()), "rename the file"))
 }
 
-/// `x` to twelve digits: what a length loses on the way to metres and back is left out.
+/// Rounds `x` to twelve digits, without the rounding of lengths on the way to metres and back.
 fn significant(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x)
 }
 
-/// An angle \[rad\] in degrees, with as many digits as it takes to read the same angle.
+/// Converts an angle \[rad\] to degrees, with as many digits as reading back the same angle needs.
 fn degrees(radians: f32) -> f64 {
     let exact = f64::from(radians).to_degrees();
     let rounded = |digits: i32| {
@@ -160,9 +162,9 @@ fn degrees(radians: f32) -> f64 {
     (0..12).map(rounded).find(|degrees| degrees.to_radians() as f32 == radians).unwrap_or(exact)
 }
 
-/// An eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.
+/// Returns an eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.
 fn eye_of(camera: &Camera) -> Vec3 {
-    /// Representable numbers by which a coordinate may be off.
+    /// Offsets of a coordinate that are tried, in units in the last place.
     const STEPS: [i32; 5] = [0, 1, -1, 2, -2];
     let eye = camera.eye();
     let moved = |x: f32, steps: i32| {
@@ -186,16 +188,17 @@ mod tests {
     use crate::scene::environment::Placement;
     use crate::scene::scene_file::BUILT_IN;
     use crate::scene::{Environment, Light};
+    use crate::surface::SurfaceSource;
     use crate::surface::prepare::PreparationStep;
 
     fn read(text: &str, folder: &Path) -> Scene {
         Scene::parse(text, folder).unwrap_or_else(|e| panic!("{e} in\n{text}"))
     }
 
-    /// What a scene is, without its mesh.
+    /// Returns the debug text of a scene without its mesh.
     fn described(scene: &Scene) -> String {
-        let plain =
-            Scene { mesh: crate::scene::primitives::plate(), files: Vec::new(), unit: 0.0, ..scene.clone() };
+        let mut plain = Scene { files: Vec::new(), unit: 0.0, ..scene.clone() };
+        plain.main_object_mut().mesh = crate::scene::primitives::plate();
         format!("{plain:?}")
     }
 
@@ -208,7 +211,7 @@ mod tests {
             assert_eq!(described(&again), described(&scene), "{name}");
             assert!(
                 (again.unit / scene.unit - 1.0).abs() < 1e-12
-                    && again.mesh.vertices() == scene.mesh.vertices()
+                    && again.main_object().mesh.vertices() == scene.main_object().mesh.vertices()
             );
             assert_eq!(again.to_toml(Path::new("")).unwrap(), text, "{name}");
         }
@@ -225,11 +228,18 @@ mod tests {
         let mesh = file("square.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
         let (scan, spectrum) = (file("a scan.png", "x"), file("lamp.csv", "400,1\n700,1\n"));
         let mut scene = Scene::open(&mesh).unwrap();
-        scene.surface = scan.clone().into();
-        (scene.pixel_size, scene.full_height) = (Some([0.1, 0.097_66]), Some(0.4347));
-        scene.prepare =
-            ["level rows", "crop 40um", "invert"].map(|step| PreparationStep::parse(step).unwrap()).to_vec();
-        (scene.base_color, scene.exposure, scene.tone) = (Vec3::new(0.1, 0.7, 0.3), -1.5, Tone::Neutral);
+        let object = scene.main_object_mut();
+        object.surface = Some(SurfaceSource {
+            name: scan.clone().into(),
+            pixel_size: Some([0.1, 0.097_66]),
+            height: Some(0.4347),
+            prepare: ["level rows", "crop 40um", "invert"]
+                .map(|step| PreparationStep::parse(step).unwrap())
+                .to_vec(),
+            ..SurfaceSource::built_in(SurfaceKind::Flat)
+        });
+        object.base_color = Vec3::new(0.1, 0.7, 0.3);
+        (scene.exposure, scene.tone) = (-1.5, Tone::Neutral);
         scene.background = Background::Color(glam::DVec3::new(0.25, 0.5, 1.0));
         scene.lights = ["sun:30,-40,2.5@led", "sphere:0.1:0.2,0.3,1,60W@lamp.csv"]
             .map(|light| Light::parse_in(light, folder.path()).unwrap())
@@ -239,8 +249,8 @@ mod tests {
         scene.shadows = false;
         scene.unit = 0.104;
         let material = Material::from_name_or_file("gold").unwrap();
-        scene.reflectance =
-            Some(Reflectance::Fresnel { material, film: Some(Film::parse("120nm:1.7").unwrap()) });
+        scene.main_object_mut().reflectance =
+            Some(Reflectance::of_material(material, Some(Film::parse("120nm:1.7").unwrap())));
         let spectrum_name = spectrum.to_str().unwrap().to_owned();
         scene.options = [["illuminant", &spectrum_name], ["tolerance", "2e-2"], ["windows", "all"]]
             .map(|pair| pair.map(str::to_owned))
@@ -254,8 +264,9 @@ mod tests {
             "[[objects]]\nmesh = \"sphere\"\ngrooves = \"radial\"\npigment = \"a scan.png\"",
         ];
         let several = read(&several.join("\n"), folder.path());
-        (scene.objects, scene.around) = (several.objects, several.around);
-        scene.grooves = Grooves::Turned(12.5);
+        scene.objects.extend(several.objects.into_iter().skip(1));
+        scene.standing_bounds = several.standing_bounds;
+        scene.main_object_mut().grooves = Grooves::Turned(12.5);
         for step in 0..40u16 {
             let x = f32::from(step);
             scene.camera.phi = 0.13 * x;
@@ -273,7 +284,7 @@ mod tests {
         // From another folder, files are named from the root.
         let elsewhere = tempfile::tempdir().unwrap();
         let text = scene.to_toml(elsewhere.path()).unwrap();
-        assert_eq!(read(&text, elsewhere.path()).surface, scene.surface);
+        assert_eq!(read(&text, elsewhere.path()).main_object().surface, scene.main_object().surface);
     }
 
     #[test]
@@ -323,7 +334,7 @@ mod tests {
         let written = scene.to_toml(folder.path()).unwrap();
         let again = read(&written, folder.path());
         assert!(again == scene, "{written}");
-        assert!(again.auto_exposure && again.objects.len() == 3, "{written}");
+        assert!(again.auto_exposure && again.objects.len() == 4, "{written}");
         let moved = written.replace("position = [0.1,", "position = [0.2,");
         assert!(moved != written && read(&moved, folder.path()) != scene, "{written}");
     }

@@ -1,8 +1,8 @@
-//! The mesh of the default scene: a coiled snake with overlapping scales, as `examples/snake` makes it.
+//! The mesh of the default scene: a coiled snake with overlapping scales, made by `examples/snake`.
 //!
-//! y is up, the ground is the plane y = 0, the coil lies around the y axis and everything is within a radius of 1 of
-//! the origin. On the skin u runs across the body and v along it toward the tail, so the x axis of a height field
-//! lies across the body and its y axis along it, as the ridges of a snake's scales do.
+//! y is up, the ground is the plane y = 0, the coil lies around the y axis and everything is within a radius of 1 of the origin. On the
+//! skin u runs across the body and v along it toward the tail, so the x axis of a height field lies across the body and its y axis along
+//! it, like the ridges of a snake's scales.
 
 use super::mesh::Mesh;
 use super::obj;
@@ -14,7 +14,7 @@ pub const OBJ: &[u8] = include_bytes!("../../assets/meshes/snake.obj");
 /// Returns the mesh of the shipped snake.
 ///
 /// # Errors
-/// As [`obj::from_bytes`]; none unless the shipped file is damaged.
+/// Those of [`obj::from_bytes`]; none unless the shipped file is damaged.
 pub fn mesh() -> Result<Mesh> {
     obj::from_bytes(OBJ)
 }

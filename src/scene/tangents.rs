@@ -5,11 +5,11 @@ use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// The most triangles around one point that are handed over together.
+/// Largest number of triangles around one point that are handed over together.
 const MOST_AROUND: usize = 1000;
 
-/// Tangent and handedness of every corner: unit, orthogonal to the corner's normal, w = ±1 with B = w · (N × T).
-/// Where the texture coordinates give no direction, any unit vector orthogonal to N with w = 1.
+/// Returns tangent and handedness of every corner: unit, orthogonal to the corner's normal, w = ±1 with B = w · (N × T). If the texture
+/// coordinates give no direction, T is any unit vector orthogonal to N, and w = 1.
 pub(super) fn generate(triangles: &[[CompleteCorner; 3]]) -> Vec<[[f32; 4]; 3]> {
     let place = Normalization::of(triangles);
     let batches = batches(triangles, &place);
@@ -28,11 +28,11 @@ pub(super) fn generate(triangles: &[[CompleteCorner; 3]]) -> Vec<[[f32; 4]; 3]> 
     mikk.tangents
 }
 
-/// `tangent` made orthogonal to `normal`, or a substitute where it has no direction.
+/// Returns `tangent` made orthogonal to `normal`, or a substitute if it has no direction.
 fn orthonormal(normal: Vec3, tangent: [f32; 4]) -> [f32; 4] {
     let t = Vec3::from_slice(&tangent);
     let flat = t - normal * normal.dot(t);
-    // Shorter than this the difference above is rounding.
+    // A shorter difference is rounding.
     if !(flat.is_finite() && flat.length() > 1e-4) {
         return normal.any_orthonormal_vector().extend(1.0).to_array();
     }
@@ -42,11 +42,11 @@ fn orthonormal(normal: Vec3, tangent: [f32; 4]) -> [f32; 4] {
     t.extend(if tangent[3] < 0.0 { -1.0 } else { 1.0 }).to_array()
 }
 
-/// Numbers of the triangles to hand over together: all of a usual mesh. bevy_mikktspace recurses from triangle to
-/// triangle around a point, so where more than [`MOST_AROUND`] meet, the rest go into further batches; otherwise a fan
-/// of a hundred thousand overflows the stack.
+/// Returns the batches of triangles to hand over together: usually all of the mesh. bevy_mikktspace recurses from triangle to triangle
+/// around a point, so a fan of a hundred thousand would overflow the stack. If more than [`MOST_AROUND`] meet at a point, the rest go into
+/// further batches.
 fn batches(triangles: &[[CompleteCorner; 3]], place: &Normalization) -> Vec<Vec<usize>> {
-    // For each point the latest batch that it is in, and how many triangles it has there.
+    // Latest batch of each point, and number of its triangles in that batch.
     let mut met: HashMap<[u32; 3], (usize, usize)> = HashMap::new();
     let mut batches = vec![Vec::new()];
     for (i, triangle) in triangles.iter().enumerate() {
@@ -68,7 +68,7 @@ fn batches(triangles: &[[CompleteCorner; 3]], place: &Normalization) -> Vec<Vec<
     batches
 }
 
-/// Moves the mesh to the origin and to unit size, where products of lengths neither overflow nor vanish.
+/// Translation to the origin and scaling to unit size, so that products of lengths neither overflow nor vanish.
 struct Normalization {
     centre: Vec3,
     scale: f32,
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    /// A square in the xy plane facing +z, texture coordinates by `uv`.
+    /// Returns a square in the xy plane facing +z, texture coordinates by `uv`.
     fn square(uv: impl Fn(f32, f32) -> Vec2) -> Vec<[CompleteCorner; 3]> {
         let corner = |[x, y]: [f32; 2]| CompleteCorner {
             position: Vec3::new(x, y, 0.0),

@@ -1,4 +1,4 @@
-//! The BRDF of a height field by the method that is asked for.
+//! BRDF of a height field by the chosen method.
 
 use super::{InUse, Method, Progress, Settings, check, source};
 use crate::brdf::mean::MeanBrdf;
@@ -12,14 +12,15 @@ use crate::surface::HeightField;
 use crate::vk::device::Device;
 use std::sync::Arc;
 
-/// Windows whose spectra the cache on disk keeps: more would fill it.
+/// Maximum number of windows whose spectra the cache on disk keeps: more would fill it.
 const CACHED_WINDOWS: u32 = 16;
 
-/// Lets `ask` have the BRDF of `field` under `settings`: once, or, where the method does one window at a time, once for each window.
-/// It is told the share of this BRDF in the mean. `device` opens the device, where one is needed; `note` is told what the user should know.
+/// Calls `ask` with the BRDF of `field` under `settings` and its weight in the mean: once, or once for each window if
+/// the method evaluates one window at a time. `device` opens the device if one is needed; `note` receives notes for the
+/// user.
 ///
 /// # Errors
-/// As [`source`], and what `ask` returns.
+/// Same as [`source`], or the error of `ask`.
 pub fn for_each_window(
     field: &HeightField,
     settings: &Settings,
@@ -49,7 +50,7 @@ pub fn for_each_window(
         _ => {}
     }
     let device = device()?;
-    // Colour tables average by themselves.
+    // Colour tables contain the average.
     let [n, m] = shading.windows.grid().unwrap_or([1, 1]);
     let one = match shading.windows {
         Windows::Grid(_) => Shading { windows: Windows::ONE, ..shading.clone() },

@@ -1,4 +1,4 @@
-//! From a height field and settings to what is shaded from: what every command and the viewer start with.
+//! Preparation of sources from a height field and settings; used by every command and by the viewer.
 
 mod brdf;
 mod picture;
@@ -22,20 +22,21 @@ use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
 
-/// How the optics is computed.
+/// Method of computing the optics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
-    /// A sum over wavelengths: of one window or a finite grating on the device, of the mean for single directions on the CPU.
+    /// Sum over wavelengths: of one window or a finite grating on the device, of the mean for single directions on the
+    /// CPU.
     #[default]
     Spectral,
-    /// A colour table of the mean, read on the device.
+    /// Colour table of the mean, read on the device.
     Table,
-    /// The f64 reference, on the CPU.
+    /// F64 reference, on the CPU.
     Reference,
 }
 
 impl Method {
-    /// The word for it.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Spectral => "spectral",
@@ -45,25 +46,25 @@ impl Method {
     }
 }
 
-/// Everything that a source follows from beside the height field.
+/// Settings that determine a source, in addition to the height field.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// By which method.
+    /// Method.
     pub method: Method,
-    /// The optics.
+    /// Settings of the optics.
     pub shading: Shading,
-    /// Shortest wavelength that will be asked for \[µm\].
+    /// Shortest wavelength that is evaluated \[µm\].
     pub shortest: f64,
-    /// The window's centre from that of the patch \[µm\].
+    /// Offset of the window's centre from that of the patch \[µm\].
     pub shift: [f64; 2],
-    /// Whether the result is worth a place in the cache on disk.
+    /// True if the cache on disk keeps the result.
     pub cached: bool,
-    /// How large the pixels' footprints are; 0 where single directions are asked for.
+    /// Sizes of the pixels' footprints; 0 for single directions.
     pub footprints: FootprintSizes,
 }
 
 impl Settings {
-    /// A window in the middle, for colours.
+    /// Returns settings for colours, with the window at the centre of the patch.
     pub fn new(method: Method, shading: Shading) -> Self {
         Self {
             method,
@@ -76,20 +77,21 @@ impl Settings {
     }
 }
 
-/// Called with what is made, steps done and steps in all, as far as they are known; an error from it cancels the work.
+/// Callback with the name of the computation, steps done and steps in total, as far as known; an error it returns
+/// cancels the work.
 pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
 
-/// A source, and why it could not be kept for next time, where that is so.
+/// Source, and the reason if the cache could not keep it.
 pub struct Made {
-    /// The source.
+    /// Source.
     pub source: Source,
-    /// For the user.
+    /// Note for the user.
     pub note: Option<Error>,
 }
 
 pub use crate::table::LEAST_TOLERANCE as LEAST_TABLE_TOLERANCE;
 
-/// Data that is still in use somewhere, for requests that share it, and the series that the last table was baked from.
+/// Data in use elsewhere, for requests that share it, and the series of the last table.
 #[derive(Default)]
 pub struct InUse {
     layers: Known<Layers>,
@@ -97,20 +99,21 @@ pub struct InUse {
     series: Option<KeptSeries>,
 }
 
-/// Series that the next table of the same surface is baked from, too: under another light, of another tolerance.
+/// Series that is reused for further tables of the same surface, under another light or of another tolerance.
 struct KeptSeries {
-    // Hash of the field and of all settings but the error.
+    // Hash of the field and of all settings except the error.
     key: Key,
-    // Error that it was asked for.
+    // Error that was requested.
     asked: f64,
     series: Arc<OrderSeries>,
 }
 
 impl InUse {
-    /// Most bytes of series that are kept.
+    /// Largest size of a kept series \[bytes\].
     const MOST_KEPT: usize = 64 << 20;
 
-    /// Returns the series of `field` under `settings`: the kept one if making it anew would give the same, else a new one.
+    /// Returns the series of `field` under `settings`: the kept one if a new one would be the same, otherwise a new
+    /// one.
     fn series(
         &mut self,
         field: &HeightField,
@@ -118,7 +121,7 @@ impl InUse {
         progress: &Progress<'_>,
     ) -> Result<Arc<OrderSeries>> {
         let key = Key::new(&ColorTable::FORMAT, &PowerSettings { error: 0.0, ..*settings }, field)?;
-        // Making takes ever more terms until the measured error suffices.
+        // A series gets more terms until the measured error suffices.
         let serves = |kept: &&KeptSeries| {
             kept.key == key && kept.asked >= settings.error && kept.series.error <= settings.error
         };
@@ -134,13 +137,15 @@ impl InUse {
     }
 }
 
-/// Data of one kind by its key, as long as it is in use.
+/// Data of one kind by key, as long as it is in use.
 type Known<T> = Vec<(Key, Weak<T>)>;
 
-/// The source of `field` under `settings` on a device of these `limits`: from what is `in_use`, from the cache on disk, or made and kept there.
+/// Returns the source of `field` under `settings` on a device with these `limits`: from the data `in_use`, from the
+/// cache on disk, or made and cached.
 ///
 /// # Errors
-/// For settings that the method cannot do, where the data does not fit into the device or this machine, and what `progress` returns.
+/// Fails for settings that the method does not support, if the data does not fit into the device or this machine, or
+/// with the error of `progress`.
 pub fn source(
     field: &HeightField,
     settings: &Settings,
@@ -166,7 +171,7 @@ pub fn source(
         (Method::Spectral, Coherence::Repeats(copies)) => {
             shading.check_wavelengths()?;
             let repeats = Repeats { copies, period: field.patch_size() };
-            // A grating that begins elsewhere is the grating of a surface that does.
+            // Shifting a grating is equivalent to shifting the surface.
             let begun = field.begun_at(settings.shift);
             let settings = Settings { shift: [0.0; 2], ..settings.clone() };
             let (layers, note) = layers(&begun, &settings, f64::INFINITY, limits, in_use, progress)?;
@@ -175,7 +180,8 @@ pub fn source(
     }
 }
 
-/// Spectra through a Gaussian of standard deviation `sigma` \[µm\], or, where that is infinite, of one period.
+/// Returns spectra through a Gaussian window of standard deviation `sigma` \[µm\], or of one period if `sigma` is
+/// infinite.
 fn layers(
     field: &HeightField,
     settings: &Settings,
@@ -197,7 +203,7 @@ fn layers(
     wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
 }
 
-/// The colour table of the mean.
+/// Returns the colour table of the mean.
 fn table(
     field: &HeightField,
     settings: &Settings,
@@ -220,20 +226,20 @@ fn table(
     wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
 }
 
-/// Data that a source needs.
+/// Key and limits of data that a source needs.
 struct Wanted {
     key: Key,
-    // For the user.
+    // Name in progress and notes for the user.
     name: &'static str,
-    // Most bytes that it may take.
+    // Largest size in memory \[bytes\].
     memory_limit: u64,
-    // Whether the cache on disk keeps it.
+    // True if the cache on disk keeps the data.
     cached: bool,
 }
 
 impl Wanted {
-    /// The data: from the list `known` of what is in use, from the cache on disk, or from `make`. Beside it, why it could not be kept, where
-    /// that is so.
+    /// Returns the data: from the list `known` of data in use, from the cache on disk, or from `make`; and the reason
+    /// if the cache could not keep it.
     fn obtain<T: Kept>(
         &self,
         in_use: &mut InUse,
@@ -260,13 +266,14 @@ impl Wanted {
     }
 }
 
-/// A source that diffracts nothing, so that the pigment is seen alone. It takes no time to make.
+/// Returns a source that does not diffract, so that the pigment alone is visible. It takes no time to make.
 pub fn pigment_alone() -> Source {
     static DARK: LazyLock<Arc<ColorTable>> = LazyLock::new(|| Arc::new(ColorTable::dark()));
     Source::Table(Table { table: DARK.clone() })
 }
 
-/// How the surface goes on beyond a patch like `field`, unless the user says: copies where they join without visible steps.
+/// Returns the default continuation of the surface beyond a patch like `field`: copies if they join without visible
+/// steps.
 pub fn beyond_of(field: &HeightField) -> Beyond {
     match tiling::tiles(field).verdict {
         tiling::Verdict::Tiles => Beyond::Copies,
@@ -274,15 +281,15 @@ pub fn beyond_of(field: &HeightField) -> Beyond {
     }
 }
 
-/// True if the source of `settings` averages over the footprints of pixels.
+/// Returns true if the source of `settings` averages over the footprints of pixels.
 pub fn averages_footprints(settings: &Settings) -> bool {
     settings.method == Method::Table
 }
 
-/// Fails for combinations that cannot be.
+/// Checks that the combination of settings is supported.
 ///
 /// # Errors
-/// With what to change.
+/// Fails with a remedy.
 pub fn check(settings: &Settings) -> Result<()> {
     let shading = &settings.shading;
     let gaussian = shading.coherence.sigma().is_some();
@@ -318,37 +325,39 @@ pub fn check(settings: &Settings) -> Result<()> {
 }
 
 impl Settings {
-    /// Share of the device's memory that a source may take; pictures and the rest need some.
+    /// Fraction of the device's memory for a source; pictures and the rest share the remainder.
     const DEVICE_SHARE: f64 = 0.75;
 
     fn memory_limit(limits: &Candidate) -> usize {
         (limits.memory as f64 * Self::DEVICE_SHARE) as usize
     }
 
-    /// Standard deviation of the coherence window that the mean is of \[µm\].
+    /// Returns the standard deviation of the coherence window of the mean \[µm\].
     fn power_sigma(&self) -> Result<f64> {
         self.shading.coherence.sigma().ok_or_else(|| {
             Error::usage("the mean over all windows is of Gaussian coherence", Remedy::GaussianCoherence)
         })
     }
 
-    /// Standard deviation of (u, v) that the coherence of light of the middle of the spectrum averages over; `None` for finite gratings.
+    /// Returns the standard deviation of (u, v) due to coherence at the middle of the spectrum; `None` for finite
+    /// gratings.
     fn coherence_spread(&self) -> Option<f64> {
         let sigma = self.shading.coherence.sigma()?;
         Some(MIDDLE * Blur::of_coherence(sigma).variance[0].sqrt())
     }
 
-    /// The least standard deviation of (u, v) that is averaged over, as far as it counts beside the blur by coherence: that of light of the middle of
-    /// the spectrum times a power of 2, or 0 below. So all views from near share a source.
+    /// Returns the standard deviation of the smallest footprint, rounded down to 2ⁿ times that of coherence at the
+    /// middle of the spectrum, or 0 below it. Close views thus share a source.
     fn finest(&self) -> f64 {
         let Some(coherence) = self.coherence_spread() else { return 0.0 };
         let octave = (self.footprints.shorter / coherence).log2().floor();
         if octave >= 0.0 { coherence * octave.exp2() } else { 0.0 }
     }
 
-    /// Returns the shares of the tolerance. A plate sees few orders of any surface: nothing averages what its pixels read.
+    /// Returns the shares of the tolerance. A plate has few orders of any surface in view, so that its pixels do not
+    /// average reading errors.
     fn budget(&self) -> ErrorBudget {
-        /// Ratio of footprint and blur from which a row of taps stands for a footprint.
+        /// Ratio of footprint to blur from which a footprint is averaged by a row of taps.
         const LONG: f64 = 2.0;
         let FootprintSizes { shorter, longer } = self.footprints;
         let is_long =
@@ -356,7 +365,7 @@ impl Settings {
         self.shading.budget_of_footprints(is_long && self.shading.purpose == Purpose::Picture)
     }
 
-    /// Returns the settings of the orders' series that a colour table is baked from.
+    /// Returns the settings of the series of orders for a colour table.
     fn power_settings(&self) -> Result<PowerSettings> {
         Ok(PowerSettings {
             sigma: self.power_sigma()?,
@@ -380,7 +389,7 @@ impl Settings {
     }
 }
 
-/// What is known by `key`; forgets what nobody uses any more.
+/// Returns the data with this `key`, and removes entries that are no longer in use.
 fn find<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
     known.retain(|(_, data)| data.strong_count() > 0);
     known.iter().find(|(own, _)| own == key).and_then(|(_, data)| data.upgrade())

@@ -1,4 +1,4 @@
-//! Pictures of a scene: what all of its views share is prepared once, then each is drawn.
+//! Pictures of a scene: the data shared by all views is prepared once, then each view is drawn.
 
 use super::{InUse, Method, Settings, averages_footprints, beyond_of, pigment_alone, source};
 use crate::error::{Error, Result};
@@ -7,7 +7,7 @@ use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
-use crate::render::picture::{Painter, Picture};
+use crate::render::renderer::{Picture, Renderer};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
@@ -18,19 +18,20 @@ use crate::vk::device::Device;
 use std::slice;
 use std::sync::Arc;
 
-/// What a picture follows from beside the scene and its surface.
+/// Settings of a picture, in addition to the scene and its surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
     /// Width and height \[pixels\].
     pub size: [u32; 2],
-    /// Samples that each pixel is the mean of.
+    /// Samples of each pixel.
     pub sampling: Sampling,
-    /// The optics, by a method that works on the device.
+    /// Settings of the optics, with a method that runs on the device.
     pub optics: Settings,
 }
 
 impl PictureSettings {
-    /// A picture of `size` pixels, 16 samples each, as `diffract render` draws it: in sunlight, by a colour table.
+    /// Returns settings for a picture of `size` pixels with 16 samples each, as drawn by `diffract render`: in
+    /// sunlight, by a colour table.
     pub fn new(size: [u32; 2]) -> Self {
         Self {
             size,
@@ -40,26 +41,29 @@ impl PictureSettings {
     }
 }
 
-/// The scene's own view under `shading`, with its pigment texture where it has one.
+/// Returns the scene's view under `shading`, with its pigment texture if it has one.
 pub fn own_view(scene: &Scene, shading: &Shading) -> View {
-    View { pigment: scene.pigment.is_some(), ..View::under(scene, &scene.lights, &shading.coherence) }
+    View {
+        pigment: scene.main_object().pigment.is_some(),
+        ..View::under(scene, &scene.lights, &shading.coherence)
+    }
 }
 
-/// The surface of an object and how it is computed.
+/// Surface of an object and settings of its optics.
 #[derive(Clone, Debug)]
 pub struct ObjectSurface {
-    /// The height field; `None`: nothing is diffracted, and the pigment is seen alone.
+    /// Height field; `None` for an object that does not diffract and shows its pigment alone.
     pub field: Option<Arc<HeightField>>,
-    /// The optics.
+    /// Settings of the optics.
     pub optics: Settings,
 }
 
 impl ObjectSurface {
-    /// Those of all objects of `scene`, the first of which has this `field` and these `optics`. The others differ by their own height fields, which
-    /// `load` reads, and by what they reflect.
+    /// Returns the surfaces of all objects of `scene`, the first of which has this `field` and these `optics`. The
+    /// others differ in their height fields, which `load` reads, and in their reflectances.
     ///
     /// # Errors
-    /// What `load` returns.
+    /// Fails with the error of `load`.
     pub fn of(
         scene: &Scene,
         field: &Arc<HeightField>,
@@ -68,14 +72,15 @@ impl ObjectSurface {
     ) -> Result<Vec<Self>> {
         let first = Self { field: Some(field.clone()), optics: optics.clone() };
         let other = |(number, object): (usize, &Object)| {
-            Self::of_object(object, optics, load).map_err(|e| e.at(format!("object {}", number + 1)))
+            Self::of_object(object, optics, load).map_err(|e| e.at(format!("object {number}")))
         };
-        let others = scene.objects.iter().enumerate().map(other).collect::<Result<Vec<_>>>()?;
+        let others = scene.objects.iter().enumerate().skip(1).map(other).collect::<Result<Vec<_>>>()?;
         first.check_heights()?;
         Ok(std::iter::once(first).chain(others).collect())
     }
 
-    /// That of an `object` beside the first, in the `optics` of the first but for what follows from the object.
+    /// Returns the surface of an `object` after the first, with the `optics` of the first except for the parts that
+    /// depend on the object.
     fn of_object(
         object: &Object,
         optics: &Settings,
@@ -84,13 +89,14 @@ impl ObjectSurface {
         let field = object.surface.as_ref().map(load).transpose()?;
         let mut optics = optics.clone();
         optics.shading.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
-        optics.shading.reflectance = object.reflectance.clone().unwrap_or_default();
+        let polarisation = optics.shading.reflectance.polarisation();
+        optics.shading.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
         let own = Self { field, optics };
         own.check_heights()?;
         Ok(own)
     }
 
-    /// Fails at once for heights of which no table can be made.
+    /// Fails early for heights that no table supports.
     fn check_heights(&self) -> Result<()> {
         match (&self.field, self.optics.method) {
             (Some(field), Method::Table) => {
@@ -101,10 +107,11 @@ impl ObjectSurface {
         }
     }
 
-    /// The same with optics for footprints as large as those of `mesh` in `views`, of `size` pixels, where the source averages over them.
+    /// Returns this surface with optics for the footprint sizes of `mesh` in `views`, of `size` pixels, if the source
+    /// averages over footprints.
     ///
     /// # Errors
-    /// Where the device is lost or has no room.
+    /// Fails if the device is lost or out of memory.
     pub fn seen(
         &self,
         device: &Arc<Device>,
@@ -120,11 +127,11 @@ impl ObjectSurface {
         Ok(own)
     }
 
-    /// What the object is shaded from in `views`: from what `make` returns under the scene's illuminant, and under each other that lights have of
-    /// their own.
+    /// Returns the sources of the object in `views`: those that `make` returns under the scene's illuminant, and under
+    /// each other illuminant of a light.
     ///
     /// # Errors
-    /// What `make` returns.
+    /// Fails with the error of `make`.
     pub fn sources(
         &self,
         views: &[View],
@@ -142,20 +149,20 @@ impl ObjectSurface {
     }
 }
 
-/// A scene on a device, ready to be drawn from several views: meshes, pigments and sources are there once.
+/// Scene on a device, ready to be drawn from several views; meshes, pigments and sources are shared.
 pub struct PreparedScene<'a> {
     settings: &'a PictureSettings,
     shown: Shown,
     source: Source,
-    painter: Painter,
+    renderer: Renderer,
 }
 
 impl<'a> PreparedScene<'a> {
-    /// Everything that pictures of `scene` share, whose objects have these `surfaces`. The source of each comes from `make`, which gets the optics with
-    /// sizes of footprints that suit all of `views`.
+    /// Prepares the data that pictures of `scene` share; its objects have these `surfaces`. `make` makes the source of
+    /// each from optics with footprint sizes for all of `views`.
     ///
     /// # Errors
-    /// A picture that cannot be read; where the device is lost or has no room; what `make` returns.
+    /// Fails if a picture cannot be read, if the device is lost or out of memory, or with the error of `make`.
     pub fn new(
         device: &Arc<Device>,
         (scene, surfaces): (&'a Scene, &[ObjectSurface]),
@@ -172,62 +179,63 @@ impl<'a> PreparedScene<'a> {
             sources.push(seen.sources(views, &mut make).map_err(named)?);
         }
         let objects = objects(scene, &textures, &sources);
-        let mut painter = Painter::of_objects(device, &objects, size)?;
+        let mut renderer = Renderer::new(device, &objects, size)?;
         if scene.shadows {
-            painter.cast_shadows()?;
+            renderer.cast_shadows()?;
         }
         let source = sources.swap_remove(0).own.source;
-        Ok(Self { settings, shown: Shown::of(scene), source, painter })
+        Ok(Self { settings, shown: Shown::of(scene), source, renderer })
     }
 
-    /// Fails where a picture of `view` takes more than the source can do.
+    /// Checks that a picture of `view` is within the limits of the source.
     ///
     /// # Errors
-    /// With the numbers and what to do; where the device is lost.
+    /// Fails with the numbers and a remedy, or if the device is lost.
     pub fn check(&mut self, view: &View) -> Result<()> {
         let shading = &self.settings.optics.shading;
         if !self.source.has_limits(shading) {
             return Ok(());
         }
         let lights = 0..view.light_count();
-        let seen = lights.map(|light| self.painter.directions(view, light)).collect::<Result<Vec<_>>>()?;
+        let seen = lights.map(|light| self.renderer.directions(view, light)).collect::<Result<Vec<_>>>()?;
         self.source.check(shading, &seen)
     }
 
-    /// Draws `view`, which [`Self::check`] found good. Tells `progress` after each sample how many are done; what it returns as an error ends
-    /// the picture.
+    /// Draws `view`, which must pass [`Self::check`]. Calls `progress` with the number of samples done after each; an
+    /// error it returns ends the picture.
     ///
     /// # Errors
-    /// Where the device is lost or has no room, and what `progress` returns.
+    /// Fails if the device is lost or out of memory, or with the error of `progress`.
     pub fn draw(&mut self, view: &View, progress: &mut dyn FnMut(u32) -> Result<()>) -> Result<Picture> {
-        self.painter.paint_samples(view, &self.settings.sampling, self.shown, progress)
+        self.renderer.paint_samples(view, &self.settings.sampling, self.shown, progress)
     }
 
-    /// Shows pictures as `shown` says from now on, instead of as the scene does.
+    /// Sets the display settings of the following pictures, in place of the scene's.
     pub fn show(&mut self, shown: Shown) {
         self.shown = shown;
     }
 
-    /// The exposure \[stops\] that [`exposure::automatic`] gives one sample of `view`; `None` where nothing in it is lit.
+    /// Returns the exposure \[stops\] that [`exposure::automatic`] gives one sample of `view`; `None` if nothing in it
+    /// is lit.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn meter(&mut self, view: &View) -> Result<Option<f64>> {
-        self.painter.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
-        Ok(exposure::automatic(&self.painter.picture()?.radiance))
+        self.renderer.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
+        Ok(exposure::automatic(&self.renderer.picture()?.radiance))
     }
 
-    /// What draws.
-    pub fn painter(&mut self) -> &mut Painter {
-        &mut self.painter
+    /// Returns the renderer.
+    pub fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
     }
 }
 
-/// Draws `scene` with the surface `field` on `device`. What is computed for it is kept in the cache on disk, where
-/// [`Settings::cached`] says so.
+/// Draws `scene` with the surface `field` on `device`. The computed data is kept in the cache on disk if
+/// [`Settings::cached`] is set.
 ///
 /// # Errors
-/// As [`source`]; a pigment texture that cannot be read; where the device is lost or has no room.
+/// Same as [`source`]; also fails if a pigment texture cannot be read, or if the device is lost or out of memory.
 pub fn picture(
     device: &Arc<Device>,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! From a height field to the spectra that shading reads. All of it is on the CPU and knows no Vulkan.
+//! Spectra of a height field for shading. All of it is on the CPU and independent of Vulkan.
 
 pub mod amplitude;
 pub mod power;

@@ -17,7 +17,7 @@ pub struct HeightField {
 }
 
 impl HeightField {
-    /// A field of `columns` × `rows` heights \[µm\], row by row from the top, with sample spacing `pixel_size` \[µm\].
+    /// Returns a field of `columns` × `rows` heights \[µm\], row by row from the top, with sample spacing `pixel_size` \[µm\].
     ///
     /// # Errors
     /// An empty or oversized grid, a length of `heights` that is not `columns * rows`, a spacing that is not finite and
@@ -45,11 +45,11 @@ impl HeightField {
         Ok(Self { columns, rows, pixel_size, heights })
     }
 
-    /// A field of `columns` × `rows` samples `pixel_size` \[µm\] apart of the surface z = `height`(x, y), in micrometres from the patch
-    /// centre.
+    /// Returns the field of `columns` × `rows` samples of the surface z = `height`(x, y), `pixel_size` \[µm\] apart. x and y are \[µm\]
+    /// from the patch centre.
     ///
     /// # Errors
-    /// As [`HeightField::new`].
+    /// See [`HeightField::new`].
     pub fn from_fn(
         columns: usize,
         rows: usize,
@@ -64,58 +64,58 @@ impl HeightField {
         Self::new(columns, rows, pixel_size, heights)
     }
 
-    /// Samples along `x`.
+    /// Returns the number of samples along `x`.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Samples along `y`.
+    /// Returns the number of samples along `y`.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Sample spacing along `x` and `y` \[µm\].
+    /// Returns the sample spacing along `x` and `y` \[µm\].
     pub fn pixel_size(&self) -> [f64; 2] {
         self.pixel_size
     }
 
-    /// Side lengths T_x, T_y of the patch, which are also its periods when it repeats \[µm\].
+    /// Returns the side lengths T_x, T_y of the patch, which are also its periods when it repeats \[µm\].
     pub fn patch_size(&self) -> [f64; 2] {
         [self.columns as f64 * self.pixel_size[0], self.rows as f64 * self.pixel_size[1]]
     }
 
-    /// All heights \[µm\], row by row from the top.
+    /// Returns all heights \[µm\], row by row from the top.
     pub fn heights(&self) -> &[f64] {
         &self.heights
     }
 
-    /// All heights \[µm\], without a copy of them.
+    /// Returns all heights \[µm\], without a copy of them.
     pub fn into_heights(self) -> Vec<f64> {
         self.heights
     }
 
-    /// The heights of one row \[µm\]; row 0 has the largest `y`.
+    /// Returns the heights of one row \[µm\]; row 0 has the largest `y`.
     pub fn row(&self, row: usize) -> &[f64] {
         &self.heights[row * self.columns..(row + 1) * self.columns]
     }
 
-    /// `x` of a column's sample, from the patch centre \[µm\].
+    /// Returns `x` of a column's sample, from the patch centre \[µm\].
     pub fn x(&self, column: usize) -> f64 {
         (column as f64 - (self.columns - 1) as f64 / 2.0) * self.pixel_size[0]
     }
 
-    /// `y` of a row's sample, from the patch centre \[µm\].
+    /// Returns `y` of a row's sample, from the patch centre \[µm\].
     pub fn y(&self, row: usize) -> f64 {
         ((self.rows - 1) as f64 / 2.0 - row as f64) * self.pixel_size[1]
     }
 
-    /// Lowest and highest height \[µm\].
+    /// Returns the lowest and highest height \[µm\].
     pub fn range(&self) -> (f64, f64) {
         self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
     }
 
-    /// The same endless surface with its origin moved by whole samples, `columns` along +x and `rows` along +y: what stood
-    /// there is in the middle now.
+    /// Returns the same periodic surface with its origin moved by whole samples, `columns` along +x and `rows` along +y: the sample at that
+    /// offset moves to the centre.
     #[must_use]
     pub fn moved(&self, columns: usize, rows: usize) -> Self {
         let row = |r: usize| self.row((r + self.rows - rows % self.rows) % self.rows);
@@ -124,8 +124,8 @@ impl HeightField {
         Self { heights, ..*self }
     }
 
-    /// One period of the same endless surface that begins `shift` \[µm\] from the edges: samples whose centres are before that
-    /// come from the copy after the last.
+    /// Returns the period of the same surface that begins `shift` \[µm\] from the edges: the samples before it are taken from the next
+    /// period.
     #[must_use]
     pub fn begun_at(&self, shift: [f64; 2]) -> Self {
         let [columns, rows] =

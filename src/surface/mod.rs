@@ -1,4 +1,4 @@
-//! Height fields: the model, the files they come from, the generated ones, how they are prepared and what is in them.
+//! Height fields: the type, files, generated surfaces, preparation and statistics.
 
 pub mod files;
 mod height_field;

@@ -1,4 +1,4 @@
-//! Serialises micrometres as metres, which is what machine-readable output has.
+//! Serialises micrometres as metres, the unit of machine-readable output.
 
 use serde::{Serialize, Serializer};
 

@@ -1,4 +1,4 @@
-//! Where a height field comes from, as it is named on the command line, in scene files and in the viewer.
+//! Source of a height field, as named on the command line, in scene files and in the viewer.
 
 use super::HeightField;
 use super::files::{self, ReadSettings, Topography};
@@ -13,23 +13,23 @@ use std::path::Path;
 pub struct SurfaceSource {
     /// A built-in name or a file.
     pub name: OsString,
-    /// Distance between samples \[µm\]; `None`: the file's or the built-in's own.
+    /// Distance between samples \[µm\]; `None`: that of the file or of the built-in surface.
     pub pixel_size: Option<[f64; 2]>,
-    /// Height of an image's largest code, full height of a built-in or of any other file \[µm\]; `None`: its own.
+    /// Height of an image's largest code, full height of a built-in surface or of any other file \[µm\]; `None`: no change.
     pub height: Option<f64>,
-    /// The channel of a file that has several, by name or number; `None`: the height.
+    /// Channel of a file that has several, by name or number; `None`: the height.
     pub channel: Option<String>,
-    /// What is done to the heights before use, in this order.
+    /// Preparation steps, in the order in which they are applied.
     pub prepare: Vec<PreparationStep>,
-    /// Which one of the many surfaces of a random kind.
+    /// Seed of a random built-in surface.
     pub seed: u64,
 }
 
 impl SurfaceSource {
-    /// The built-in surface of `kind`, as it is by default.
-    pub fn built_in(kind: SurfaceKind) -> Self {
+    /// Returns the surface called `name`, a built-in one or a file, with default settings.
+    pub fn named(name: &OsStr) -> Self {
         Self {
-            name: kind.name().into(),
+            name: name.to_owned(),
             pixel_size: None,
             height: None,
             channel: None,
@@ -38,7 +38,12 @@ impl SurfaceSource {
         }
     }
 
-    /// The first levelling among the steps.
+    /// Returns the built-in surface of `kind` with its default settings.
+    pub fn built_in(kind: SurfaceKind) -> Self {
+        Self::named(OsStr::new(kind.name()))
+    }
+
+    /// Returns the first levelling among the steps.
     pub fn level(&self) -> Levelling {
         let level = |step: &PreparationStep| {
             if let PreparationStep::Level(level) = step { Some(*level) } else { None }
@@ -46,7 +51,7 @@ impl SurfaceSource {
         self.prepare.iter().find_map(level).unwrap_or_default()
     }
 
-    /// Makes `level` the first levelling among the steps, in the place of the one that is there or before all others.
+    /// Replaces the first levelling among the steps by `level`, or inserts `level` before all steps.
     pub fn set_level(&mut self, level: Levelling) {
         let there = self.prepare.iter().position(|step| matches!(step, PreparationStep::Level(_)));
         match (there, level) {
@@ -65,10 +70,10 @@ impl SurfaceSource {
         self.prepare(self.read()?.into_field()?)
     }
 
-    /// The heights as they are in the file, or as they are made; no step is done.
+    /// Reads the file or makes the built-in surface; applies no step.
     ///
     /// # Errors
-    /// As [`SurfaceSource::load`].
+    /// See [`SurfaceSource::load`].
     pub fn read(&self) -> Result<Topography> {
         let (pixel_size, height) = (self.pixel_size, self.height);
         match self.kind() {
@@ -82,12 +87,12 @@ impl SurfaceSource {
         }
     }
 
-    /// The built-in surface that the name stands for; `None` for a file.
+    /// Returns the built-in surface that the name stands for; `None` for a file.
     pub fn kind(&self) -> Option<SurfaceKind> {
         self.name.to_str().and_then(SurfaceKind::from_name)
     }
 
-    /// `field` after the steps of [`SurfaceSource::prepare`].
+    /// Returns `field` after the steps of [`SurfaceSource::prepare`].
     ///
     /// # Errors
     /// A step that cannot be done.

@@ -1,35 +1,35 @@
-//! Whether a height field tiles: whether its edges meet when copies of it stand side by side.
+//! Test for periodic height fields: do the edges meet when copies of the field stand side by side?
 //!
-//! The optics repeats the patch without end. Where the left edge does not meet the right one, or the top the bottom, every copy adds
-//! a step that the surface does not have, and the step diffracts light along the axes.
+//! The optics repeats the patch without end. If the left edge does not meet the right one, or the top the bottom, every copy adds a step
+//! that the surface does not have, and the step diffracts light along the axes.
 
 use super::HeightField;
 use super::si::metres_of_both;
 use serde::Serialize;
 
-/// A seam joins where its ratio to the step inside that is nearest to it is at most this, and at least the inverse. The seam of a periodic
-/// field is one of its own steps and has a ratio of about 1; the rest is room for noise. The seams of a scan that does not tile have
-/// ratios of 2 and more, unless neighbouring samples are unrelated, where a seam makes no difference.
+/// Largest ratio of a seam to the step inside that is nearest to it, for copies that join; the smallest is the inverse. The seam of a
+/// periodic field is one of its steps and has a ratio of about 1; the rest is room for noise. The seams of a scan that is not periodic have
+/// ratios of 2 and more, unless neighbouring samples are unrelated; then a seam makes no difference.
 pub const LARGEST_RATIO: f64 = 1.25;
 
 /// A seam below this share of the RMS step inside is too small to be seen beside it.
 const NEGLIGIBLE: f64 = 0.05;
 
-/// How the edges of a height field meet. Index 0 is the seam between the right and the left edge (steps along `x`), index 1 the one
-/// between the bottom and the top edge (steps along `y`).
+/// Steps of the height field across the seams between copies. Index 0 is the seam between the right and the left edge (steps along `x`),
+/// index 1 the one between the bottom and the top edge (steps along `y`).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Tiling {
     /// RMS height difference across the seam over that of the two neighbouring columns (rows) inside whose difference is nearest to it; over
-    /// the median difference where it is smaller than that. 0 where there is no difference across the seam.
+    /// the median difference for a smaller seam. 0 for a seam without a difference.
     pub ratio: [f64; 2],
     /// RMS height difference across the seam \[µm\].
     #[serde(rename = "seam_m", serialize_with = "metres_of_both")]
     pub seam: [f64; 2],
-    /// Whether the field can stand for an endless surface as it is.
+    /// Seams that are visible in pictures.
     pub verdict: Verdict,
 }
 
-/// What [`Tiling::ratio`] means for pictures.
+/// Axes along which copies of a field do not join.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -44,7 +44,7 @@ pub enum Verdict {
 }
 
 impl Tiling {
-    /// Whether copies join without visible steps along `axis`, 0 for `x` and 1 for `y`.
+    /// Returns true if copies join without visible steps along `axis`, 0 for `x` and 1 for `y`.
     pub fn joins(&self, axis: usize) -> bool {
         match self.verdict {
             Verdict::Tiles => true,
@@ -56,7 +56,7 @@ impl Tiling {
 }
 
 impl Verdict {
-    /// The verdict in words, for `surface info`.
+    /// Returns the verdict in words, for `surface info`.
     pub fn words(self) -> &'static str {
         match self {
             Self::Tiles => "yes",
@@ -85,16 +85,16 @@ pub fn tiles(field: &HeightField) -> Tiling {
     Tiling { ratio: [x.0, y.0], seam: [axes[0].seam, axes[1].seam], verdict }
 }
 
-/// RMS steps along one axis \[µm\].
+/// RMS steps between neighbouring lines along one axis \[µm\].
 struct Steps {
-    /// Across the seam.
+    /// Step across the seam.
     seam: f64,
-    /// Between neighbouring lines inside, smallest first.
+    /// Steps between neighbouring lines inside, smallest first.
     inside: Vec<f64>,
 }
 
 impl Steps {
-    /// The seam over the step that it is compared with, and whether it joins.
+    /// Returns the ratio of the seam to the step that it is compared with, and true if the seam joins.
     fn ratio(&self) -> (f64, bool) {
         if self.seam == 0.0 || self.inside.is_empty() {
             return (0.0, true);
@@ -137,7 +137,8 @@ fn steps_along_y(field: &HeightField) -> Steps {
     root_mean_squares(&(0..rows).map(square).collect::<Vec<_>>(), field.columns())
 }
 
-/// From the sums of squared steps between each line and the next one, the seam's last, each over `count` samples.
+/// Returns the RMS steps from `squares`, the sums of squared steps between each line and the next one, the seam's last. Each sum is over
+/// `count` samples.
 fn root_mean_squares(squares: &[f64], count: usize) -> Steps {
     let mut steps: Vec<f64> = squares.iter().map(|square| (square / count as f64).sqrt()).collect();
     let seam = steps.pop().unwrap_or_default();

@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-/// The transpose of `values`, row by row, of so many `columns`.
+/// Returns the transpose of `values`, row by row, with `columns` columns.
 pub fn transposed<T: Copy + Default + Send + Sync>(columns: usize, values: &[T]) -> Vec<T> {
     let mut out = vec![T::default(); values.len()];
     transpose(columns, values, &mut out);
     out
 }
 
-/// The transpose of `values`, row by row, of so many `columns`, into `out`, which is as long.
+/// Writes the transpose of `values`, row by row, with `columns` columns, into `out`, which is as long.
 pub fn transpose<T: Copy + Send + Sync>(columns: usize, values: &[T], out: &mut [T]) {
     /// Rows of the result that are written together, so that more than one number is read of each cache line.
     const TOGETHER: usize = 8;

@@ -1,4 +1,4 @@
-//! Sums the spectrum at every texel of a colour table.
+//! Baking of colour tables: the sum over the spectrum at every texel.
 
 use super::basis::PER_TEXEL;
 use super::grid::TableGrid;
@@ -17,17 +17,17 @@ use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Linear interpolation of prefiltered samples a spacing Δ apart of what is blurred by a standard deviation b errs by this times (Δ/b)², relative
-/// L2: 4·√(3/(64·720)) along each axis, from (2πΔf)²/√720 averaged over the blur's spectrum.
+/// Relative L2 error of linear interpolation of prefiltered samples, per (Δ/b)² for the spacing Δ and the standard deviation b of the blur:
+/// 4·√(3/(64·720)) along each axis, from (2πΔf)²/√720 averaged over the blur's spectrum.
 const LINEAR_ERROR: f64 = 0.0323 * std::f64::consts::SQRT_2;
 
-/// |w| where both directions are 30 degrees off the normal.
+/// |w| of directions 30 degrees off the normal.
 const USUAL_W: f64 = 1.7;
 
 /// Bakes the table of the surface of `series`.
 ///
 /// # Errors
-/// Where the limits or memory do not suffice; what `progress` returns.
+/// Limits or memory that do not suffice; errors of `progress`.
 pub fn bake(
     series: &OrderSeries,
     settings: &TableSettings,
@@ -94,7 +94,7 @@ impl Plan {
     }
 }
 
-/// Size of a table, known before it is baked.
+/// Size of a table, known before baking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedTable {
     /// Bytes of the texels of all levels.
@@ -116,9 +116,9 @@ impl PlannedTable {
     }
 }
 
-/// Texels for a table of `layers` whose finest level averages over `blur`. The errors of orders are independent, so that what is shown of many errs by less
-/// than a single point, up to [`MeanBudget::averaging`](crate::budget::MeanBudget) times less. What is shown of few gets more texels. Where they would take more than
-/// [`ROOM`], they stand farther apart, as far as `most_averaging` allows.
+/// Returns the grid for a table of `layers` whose finest level averages over `blur`. The errors of orders are independent, so that pictures
+/// of many orders err by less than single points, up to [`MeanBudget::averaging`](crate::budget::MeanBudget) times less. Pictures of few
+/// orders get more texels. If these would take more than [`ROOM`], the spacing grows as far as `most_averaging` allows.
 fn choose_grid(effective_orders: f64, settings: &TableSettings, blur: f64, layers: usize) -> TableGrid {
     let grid = |averaging: f64| {
         let spacing = (settings.budget.reading * averaging / LINEAR_ERROR).sqrt().min(MOST_SPACING);
@@ -129,12 +129,12 @@ fn choose_grid(effective_orders: f64, settings: &TableSettings, blur: f64, layer
     grid((own * over_room.max(1.0)).min(settings.budget.most_averaging.max(own)))
 }
 
-/// Most standard deviations of the blur from one texel to the next. Errors grow as the squared spacing up to here, and much faster beyond: a sphere under 2e-1
-/// erred by 0.22 at a spacing of 3.5, and errs by 0.07 at this one.
+/// Largest spacing of texels in standard deviations of the blur. Errors grow as the squared spacing up to here, and much faster beyond: a
+/// sphere under 2e-1 erred by 0.22 at a spacing of 3.5, and errs by 0.07 at this one.
 const MOST_SPACING: f64 = 2.4;
-/// Orders of which a picture errs as much as a single point does: by pictures of a sinusoid on a compact disc.
+/// Number of orders with which a picture errs as much as a single point does: by pictures of a sinusoid on a compact disc.
 const UNAVERAGED: f64 = 0.6;
-/// Bytes up to which a table has the texels that it should.
+/// Largest size of a table with the preferred spacing \[bytes\].
 const ROOM: f64 = 256.0 * 1024.0 * 1024.0;
 
 /// Texels along a side of the squares that are summed at once.
@@ -209,19 +209,19 @@ fn check_room(grid: &TableGrid, layers: usize, settings: &TableSettings) -> Resu
             [Remedy::LargerTolerance, Remedy::FartherCamera, Remedy::OneWindow],
         ));
     }
-    // The finest level in 32-bit floats and the one after it stand beside all levels in 16-bit floats.
+    // The finest level in 32-bit floats and the next one exist beside all levels in 16-bit floats.
     memory::ensure_room(bytes as u64 * 7 / 2, "the colour table")
 }
 
-/// A unit in which the largest coefficient stands near the largest 16-bit floats.
+/// Returns a unit in which the largest coefficient is near the largest 16-bit floats.
 fn unit_of(values: &[f32]) -> f64 {
     const NEAR: f32 = 3e4;
     let largest = values.par_iter().map(|v| v.abs()).reduce(|| 0.0, f32::max);
     if largest > 0.0 { f64::from(largest / NEAR) } else { 1.0 }
 }
 
-/// The next level: a blur by the growth of the grid, at every second place between two texels. No pair of directions is beyond the grid, so that there is
-/// nothing there.
+/// Returns the next level: a blur by the growth of the grid, at every second place between two texels. No pair of directions is beyond the
+/// grid, so the values there are 0.
 fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &TableGrid) -> Vec<f32> {
     let spread = 3f64.sqrt() * grid.growth * 2f64.powi(level as i32) / grid.spacing(level);
     // Weights of the texels at ±½, ±1½ …, e^(−8) at the last.
@@ -257,9 +257,9 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Ta
 }
 
 /// Converts a level to 16-bit texels, prefiltered for linear reading: (−1, 14, −1)/12 along each axis (Condat, Blu, Unser, *Beyond
-/// interpolation*, 2005). Beyond the edges there is nothing.
+/// interpolation*, 2005). Values beyond the edges are 0.
 fn texels(values: &[f32], side: usize, layers: usize, unit: f64) -> Vec<f16> {
-    /// Largest 16-bit float, less what the prefilter adds.
+    /// Largest 16-bit float, with room for the growth by the prefilter.
     const LARGEST: f32 = 65_000.0;
     let width = layers * PER_TEXEL;
     let scale = (1.0 / unit) as f32;

@@ -1,4 +1,4 @@
-//! Colour tables kept on disk.
+//! Colour tables in the cache on disk.
 
 use super::basis::{MOST_COMPONENTS, MOST_PIECES, PER_TEXEL};
 use super::grid::MOST_LEVELS;
@@ -6,7 +6,7 @@ use super::{BANDS, ColorBasis, ColorTable, SPECULAR_SAMPLES, TableHeader};
 use crate::cache::{EntryFormat, Kept, Payload, count, positive};
 use crate::optics::reflectance::MeanReflectance;
 
-/// Larger than any side of a texture.
+/// Limit of all sides, larger than any side of a texture.
 const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
@@ -35,8 +35,8 @@ impl Kept for ColorTable {
     }
 }
 
-/// Whether `header` is such as this program makes: what follows divides by its numbers, counts with them and makes textures of its sizes.
-/// The check sum finds accidents; it does not know who wrote it.
+/// Returns true if `header` is valid: the code that uses it divides by its numbers, counts with them and makes textures of its sizes. The
+/// check sum finds accidental damage, not forged files.
 pub(super) fn is_sound(header: &TableHeader) -> bool {
     let TableHeader {
         grid,
@@ -168,10 +168,10 @@ mod tests {
         );
     }
 
-    /// Gold below a film of this thickness.
+    /// Returns gold below a film of this thickness.
     fn gold(film: Option<f64>) -> Reflectance {
         let material = Material::from_name_or_file("gold").unwrap();
-        Reflectance::Fresnel { material, film: film.map(|thickness| Film { thickness, index: 1.5 }) }
+        Reflectance::of_material(material, film.map(|thickness| Film { thickness, index: 1.5 }))
     }
 
     #[test]

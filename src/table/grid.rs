@@ -1,11 +1,11 @@
-//! Where the texels of a colour table stand, and what each level averages over.
+//! Grid of the texels of a colour table, and the averages of its levels.
 
 use serde::{Deserialize, Serialize};
 
-/// A square of texels over (u, v), and its levels: level l has half of the texels of level l − 1 along each axis.
+/// Square of texels over (u, v) with mip levels: level l has half of the texels of level l − 1 along each axis.
 ///
-/// Level l averages over a Gaussian of the variance s_0² + c² (4ˡ − 1) in u and in v, where c is [`TableGrid::growth`]. So each level is a blur of
-/// the one before by 3·4^(l−1) c², and a linear mixture of two neighbours has any variance between theirs.
+/// Level l averages over a Gaussian of the variance s_0² + c² (4ˡ − 1) in u and in v, with c from [`TableGrid::growth`]. So each level is a
+/// blur of the one before by 3·4^(l−1) c², and a linear mixture of two neighbours has any variance between theirs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableGrid {
@@ -21,36 +21,37 @@ pub struct TableGrid {
     pub growth: f64,
 }
 
-/// Fewest texels along a side of the coarsest level, and most levels.
+/// Fewest texels along a side of the coarsest level, and largest number of levels.
 const FEWEST: usize = 6;
 pub(super) const MOST_LEVELS: usize = 8;
 /// |(u, v)| is at most 2.
 const REACH: f64 = 2.0;
 
 impl TableGrid {
-    /// Texels at most `spacing` apart, for averages over standard deviations of (u, v) from `finest` on. Of all that level 0 averages over, coherence
-    /// included, the standard deviation is `blur`: levels grow by it, so that each reads as well between its texels as level 0.
+    /// Returns the grid of texels at most `spacing` apart, for averages over standard deviations of (u, v) from `finest` on. `blur` is the
+    /// standard deviation of all averaging in level 0, coherence included. Levels grow by it, so that the interpolation error of each is
+    /// that of level 0.
     pub fn new(spacing: f64, finest: f64, blur: f64) -> Self {
         let exact = (2.0 * REACH / spacing).ceil() as usize;
         let levels = ((exact / FEWEST).max(1).ilog2() as usize + 1).min(MOST_LEVELS);
         let side = exact.next_multiple_of(1 << (levels - 1)).max(FEWEST);
-        // A blur to the next level of at least so many of its own texels leaves nothing that half as many texels cannot hold.
+        // A blur to the next level of at least this many of the finest texels removes everything that half as many texels cannot hold.
         const LEAST_GROWTH: f64 = 0.75;
         let own = 2.0 * REACH / side as f64;
         Self { side, levels, extent: REACH, finest, growth: blur.max(LEAST_GROWTH * own) }
     }
 
-    /// Distance between the texels of `level`.
+    /// Returns the distance between the texels of `level`.
     pub fn spacing(&self, level: usize) -> f64 {
         2.0 * self.extent / self.side_of(level) as f64
     }
 
-    /// Texels along a side of `level`.
+    /// Returns the number of texels along a side of `level`.
     pub fn side_of(&self, level: usize) -> usize {
         self.side >> level
     }
 
-    /// u or v of texel `i` of `level`.
+    /// Returns u or v of texel `i` of `level`.
     pub fn at(&self, level: usize, i: usize) -> f64 {
         (i as f64 + 0.5) * self.spacing(level) - self.extent
     }
@@ -64,12 +65,12 @@ impl TableGrid {
         (lower + share.clamp(0.0, 1.0)).min(last)
     }
 
-    /// The variance of u and of v that `level` averages over.
+    /// Returns the variance of u and of v that `level` averages over.
     pub fn variance(&self, level: usize) -> f64 {
         self.finest.powi(2) + self.growth.powi(2) * (4f64.powi(level as i32) - 1.0)
     }
 
-    /// Bytes of all levels with `layers` of four 16-bit numbers.
+    /// Returns the size of all levels with `layers` of four 16-bit numbers \[bytes\].
     pub fn bytes(&self, layers: usize) -> usize {
         (0..self.levels).map(|l| self.side_of(l).pow(2)).sum::<usize>() * layers * 8
     }

@@ -5,7 +5,7 @@
 //! of q² ⟨|P|²⟩/(A w²) without the specular order, a smooth function of |w| that the table holds by a few numbers ([`ColorBasis`]). X₀ is q² ⟨|P|²⟩/A of
 //! the specular order, a Gaussian in (u, v) for each band of wavelengths, which needs no table over (u, v).
 //!
-//! Where R depends on the wavelength, the sums hold it and the factor in front is 1: the half vector's angle follows from (u, v, w) alone, as
+//! If R depends on the wavelength, the sums contain it and the factor in front is 1: the half vector's angle follows from (u, v, w) alone, as
 //! cos θ_h = |(u, v, w)|/2, so that a table has room for it.
 //!
 //! Level l of a table is the average over a Gaussian of (u, v) of standard deviation s_l; see [`TableGrid`].
@@ -30,38 +30,40 @@ use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::EVEN;
 use crate::surface::MAX_SIDE;
+use glam::Vec3;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
-/// Least tolerance that a table keeps. Colours of blazes of gold, silver and glass with a film err by 0.0036 to 0.0060 (relative L2) at a tolerance of 1e-2, by 0.0012 to 0.0018 at
-/// 3e-3, and still by 0.0010 at 1e-3 (2026-11-26). [`BANDS`] of the specular order alone err by up to 1.2e-3 of its peak.
+/// Smallest tolerance that a table keeps. Colours of blazes of gold, silver and glass with a film err by 0.0036 to 0.0060 (relative L2) at
+/// a tolerance of 1e-2, by 0.0012 to 0.0018 at 3e-3, and still by 0.0010 at 1e-3 (2026-11-26). [`BANDS`] of the specular order alone err by
+/// up to 1.2e-3 of its peak.
 pub const LEAST_TOLERANCE: f64 = 2e-3;
 
-/// What a table is made for.
+/// Settings of a table.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct TableSettings {
-    /// The light's spectrum.
+    /// Spectrum of the light.
     pub illuminant: Illuminant,
-    /// What the surface reflects, where that depends on the wavelength: then the sums hold it.
+    /// Reflectance of the surface, if it depends on the wavelength: then the sums contain it.
     pub reflectance: Option<Reflectance>,
-    /// Number of wavelengths, where the user names it.
+    /// Number of wavelengths, if the user names it.
     pub wavelengths: Option<usize>,
-    /// Relative errors that the parts may bring.
+    /// Relative errors allowed to the parts.
     pub budget: MeanBudget,
-    /// Least standard deviation of u and of v that is averaged over.
+    /// Smallest standard deviation of u and of v to average over.
     pub finest: f64,
-    /// Most texels along a side.
+    /// Largest number of texels along a side.
     pub side_limit: usize,
-    /// Most bytes of all levels. Not part of the key: it decides whether they are made.
+    /// Largest size of all levels \[bytes\]. Not part of the key: the limit does not change the table.
     #[serde(skip)]
     pub memory_limit: usize,
 }
 
 impl TableSettings {
-    /// Bytes that a table may take unless the user says.
+    /// Default limit of the size of a table \[bytes\].
     const USUAL_MEMORY: usize = 1 << 31;
 
-    /// A table of single directions under `illuminant` with a relative error of `tolerance` over directions.
+    /// Returns the settings of a table of single directions under `illuminant` with a relative error of `tolerance` over directions.
     pub fn new(illuminant: Illuminant, tolerance: f64) -> Self {
         Self {
             illuminant,
@@ -75,31 +77,31 @@ impl TableSettings {
     }
 }
 
-/// A colour table.
+/// Colour table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorTable {
-    /// Everything but the numbers of the texels.
+    /// Header: everything but the numbers of the texels.
     pub header: TableHeader,
-    /// For each level `[piece][four components][row][column][component of the four]`, rows in growing v: coordinates in the header's basis.
-    /// Places are those of ω_i + ω_r = −(u, v).
+    /// Levels, for each `[piece][four components][row][column][component of the four]`, rows in growing v: coordinates in the header's
+    /// basis. Places are those of ω_i + ω_r = −(u, v).
     pub levels: Vec<Vec<f16>>,
 }
 
-/// What the numbers of a [`ColorTable`] mean.
+/// Header of a [`ColorTable`], which gives its numbers their meaning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableHeader {
-    /// Where the texels stand.
+    /// Grid of the texels.
     pub grid: TableGrid,
-    /// What the numbers of a texel are coordinates in.
+    /// Basis of the coordinates in a texel.
     pub basis: ColorBasis,
-    /// What a stored 1 stands for \[sr⁻¹\].
+    /// Value of a stored 1 \[sr⁻¹\].
     pub unit: f64,
-    /// The specular order.
+    /// Specular order.
     pub specular: Specular,
-    /// Least variance of u and of v that the coherence of the light averages over: of blue light.
+    /// Variance of u and of v by the coherence of blue light, the least over all wavelengths.
     pub coherence_blur: f64,
-    /// Relative errors that its parts may bring.
+    /// Relative errors allowed to the parts.
     pub budget: MeanBudget,
     /// Relative error of the series of the orders, measured.
     pub series_error: f64,
@@ -107,13 +109,32 @@ pub struct TableHeader {
     pub basis_error: f64,
     /// Number of orders that share the light: [`crate::spectra::power::OrderSeries::effective_orders`].
     pub effective_orders: f64,
-    /// Where R depends on the wavelength, the colours hold R over this mean of it, which is the larger part of how R depends on the angle. It belongs to the
-    /// directions of the pixel and not to those that its footprint averages over.
+    /// Mean reflectance by which the colours are divided if R depends on the wavelength; it has the larger part of the dependence on the
+    /// angle. The factor belongs to the direction of the pixel, not to the directions in its footprint.
     pub mean_reflectance: Option<MeanReflectance>,
 }
 
+impl TableHeader {
+    /// Returns [`BANDS`] + 2 rows of [`SPECULAR_SAMPLES`] texels: XYZ of each band of the specular order over |w|, of all bands together, and the mean R of a material over the cosine
+    /// of the half angle, or 1.
+    pub fn specular_rows(&self) -> Vec<[f32; 4]> {
+        let specular = &self.specular;
+        let mean = (0..SPECULAR_SAMPLES).map(|sample| {
+            let cosine = sample as f64 / (SPECULAR_SAMPLES - 1) as f64;
+            let mean = self.mean_reflectance.as_ref().map_or(1.0, |mean| mean.at(cosine) as f32);
+            [mean; 3]
+        });
+        let bands = specular.weights.iter().flatten().copied();
+        let all = (0..SPECULAR_SAMPLES).map(|sample| {
+            let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
+            sum.to_array()
+        });
+        bands.chain(all).chain(mean).map(|[x, y, z]| [x, y, z, 0.0]).collect()
+    }
+}
+
 impl ColorTable {
-    /// The table of a surface that diffracts nothing.
+    /// Returns the table of a surface that diffracts nothing.
     pub fn dark() -> Self {
         let grid = TableGrid::new(0.25, 0.0, 0.0);
         let basis = ColorBasis::dark();
@@ -136,7 +157,7 @@ impl ColorTable {
         Self { header, levels }
     }
 
-    /// Returns the table of `header` and `levels` that came from outside; `None` if they are not such as this program makes, or if a number is not finite.
+    /// Returns the table of `header` and `levels` from an untrusted source; `None` if they are not valid, or if a number is not finite.
     pub fn from_parts(header: TableHeader, levels: Vec<Vec<f16>>) -> Option<Self> {
         let numbers =
             |level: usize| header.grid.side_of(level).pow(2) * header.basis.layers() * basis::PER_TEXEL;
@@ -147,13 +168,13 @@ impl ColorTable {
         is_whole.then_some(Self { header, levels })
     }
 
-    /// Bytes of all levels.
+    /// Returns the size of all levels \[bytes\].
     pub fn bytes(&self) -> usize {
         self.levels.iter().map(|level| level.len() * size_of::<f16>()).sum()
     }
 }
 
-/// The largest |w|.
+/// Largest |w|.
 pub const LARGEST_W: f64 = 2.0;
 
 #[cfg(test)]

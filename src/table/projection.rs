@@ -1,4 +1,4 @@
-//! Which basis a colour table takes: the principal components of colours that the surface sends, as few as the tolerance allows.
+//! Choice of the basis of a colour table: the principal components of a sample of the surface's colours, as few as the tolerance allows.
 
 use super::basis::{ColorBasis, MOST_COMPONENTS, MOST_PIECES, PER_TEXEL};
 use super::sums::{DirectionWavelengths, NODES, Scratch, Sums, nodes_of_pieces};
@@ -13,23 +13,25 @@ use glam::{DMat3, DVec2, DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
-/// Layers up to which a table has more pieces, so that each needs fewer components and a direction fewer reads: those of two pieces of all components.
+/// Number of layers up to which a table has more pieces, so that each needs fewer components and a direction fewer reads: that of two
+/// pieces of all components.
 const LAYERS: usize = 6;
 
-/// A basis, and how colours are projected on it.
+/// Basis, and the projection of colours on it.
 pub struct Projection {
-    /// The basis.
+    /// Basis.
     pub basis: ColorBasis,
-    /// Relative error of colours: the larger of the RMS of each colour's own error, since the faint directions far from the specular one are where the colours
-    /// are, and of the relative L2 error. For pictures whose pixels average over many places, it is that of such averages.
+    /// Relative error of colours: the larger of the RMS of the relative errors of single colours, since most of the colour is in the faint
+    /// directions far from the specular one, and of the relative L2 error. For pictures whose pixels average over many places, it is the
+    /// error of such averages.
     pub error: f64,
     // `[piece][component][channel]`, over the nodes in the piece.
     from_nodes: Vec<[Vec4; 3]>,
 }
 
 impl Projection {
-    /// Appends the numbers of a place, `[piece][component]`, to `out`; it has the `values` at the nodes, for each channel those of the pieces and perhaps
-    /// padding.
+    /// Appends the numbers of a place, `[piece][component]`, to `out`. `values` are those at the nodes, for each channel the pieces and
+    /// perhaps padding.
     pub fn project(&self, values: &[Vec4], out: &mut Vec<f32>) {
         let (components, stride) = (self.basis.components, values.len() / 3);
         let each_piece = self.from_nodes.chunks_exact(components).enumerate();
@@ -40,10 +42,10 @@ impl Projection {
         }));
     }
 
-    /// The basis of fewest reads, and then of fewest pieces, that errs by no more than the settings allow.
+    /// Chooses the basis of fewest reads, and then of fewest pieces, whose error the settings allow.
     ///
     /// # Errors
-    /// Where no basis does.
+    /// No such basis.
     pub fn choose(
         reader: &OrderReader<'_>,
         spectrum: &DirectionWavelengths,
@@ -61,7 +63,7 @@ impl Projection {
         let layers = whole.basis.layers().max(LAYERS);
         for components in (PER_TEXEL..MOST_COMPONENTS).step_by(PER_TEXEL) {
             let most = (layers * PER_TEXEL / components).min(MOST_PIECES);
-            // Mostly this is not enough, and fewer pieces need not be tried.
+            // Most surfaces need more components; then fewer pieces need not be tried.
             if !allowed(&colours.projection(most, components)) {
                 continue;
             }
@@ -74,32 +76,33 @@ impl Projection {
     }
 }
 
-/// Colours of a surface at places that stand for all others.
+/// Colours of a surface at representative places.
 struct ColourSamples {
-    // Those that bases are made for, and others that they are judged at: averages over as much as the settings say.
+    // Colours from which bases are made, and others by which they are judged: averages over as many places as in the settings.
     made_for: Vec<PlaceColours>,
     judged: Vec<PlaceColours>,
-    // What the colours of a place count for at the least, linear sRGB.
+    // Floor of the size of a colour in its relative error, linear sRGB.
     dark: f64,
 }
 
 /// XYZ over |w| at a place, or an average of it over places side by side.
 struct PlaceColours {
-    // Up to where directions have them.
+    // Largest |w| of directions at the place.
     largest_w: f64,
     // Coefficients of Chebyshev polynomials over 0 … 2.
     series: Vec<DVec3>,
-    // Linear sRGB at the places in |w| that directions have, with these.
+    // |w| within the range of directions, and linear sRGB there.
     judged: Vec<(f64, DVec3)>,
-    // The largest of them.
+    // Largest of these colours.
     largest: f64,
 }
 
-/// What a colour counts for at the least, over the largest of its place: small |w| are small in pictures, too.
+/// Floor of the size of a colour, relative to the largest of its place: colours at small |w| are small in pictures, too.
 const FAINT: f64 = 0.05;
-/// The same over the mean of the largest of all places: between the orders of a grating there is nothing but what reading leaves.
+/// Floor of the size of a colour, relative to the mean over all places of their largest: between the orders of a grating there are only
+/// interpolation errors.
 const DARK: f64 = 1e-4;
-/// Places in |w| that bases are judged at, between the nodes of any pieces.
+/// Number of |w| at which bases are judged, between the nodes of any pieces.
 const BETWEEN: usize = 41;
 
 fn between() -> impl Iterator<Item = f64> {
@@ -108,7 +111,7 @@ fn between() -> impl Iterator<Item = f64> {
 
 impl ColourSamples {
     fn new(reader: &OrderReader<'_>, spectrum: &DirectionWavelengths, settings: &TableSettings) -> Self {
-        /// Nodes more than what a wavelength takes, for what the surface reflects.
+        /// Additional nodes for the reflectance.
         const MORE: usize = 8;
         let count = reader.series.terms + MORE;
         let sums = Sums::at(reader, spectrum, nodes(count, LARGEST_W));
@@ -127,7 +130,7 @@ impl ColourSamples {
         Self { made_for, judged, dark }
     }
 
-    /// The best basis of so many pieces and components for the places that it is made for, and its error at the others.
+    /// Returns the best basis with this number of pieces and components, with its error at the judged places.
     fn projection(&self, pieces: usize, components: usize) -> Projection {
         let count = self.made_for[0].series.len();
         let polynomials: Vec<Vec<f64>> =
@@ -153,13 +156,13 @@ impl ColourSamples {
     }
 }
 
-/// How far colours are off at the places that are judged, in squares.
+/// Sums of squared errors of colours at the judged places.
 #[derive(Clone, Copy, Default)]
 struct JudgedError {
-    // Relative to each colour's own, weighed by |w|: of a surface that is seen from the side a picture shows less.
+    // Errors relative to each colour, weighted by |w|: a picture shows less of a surface that is seen from the side.
     own: f64,
     weights: f64,
-    // Of what pictures show, and what they show.
+    // Errors of colours as in pictures, and the colours.
     shown: f64,
     exact: f64,
 }
@@ -174,7 +177,7 @@ impl JudgedError {
         }
     }
 
-    /// The larger of the RMS of each colour's own error and of the relative L2 error of what is shown.
+    /// Returns the larger of the RMS of the relative errors of single colours and of the relative L2 error of colours in pictures.
     fn largest(&self) -> f64 {
         let part = |error: f64, of: f64| if of > 0.0 { (error / of).sqrt() } else { 0.0 };
         part(self.own, self.weights).max(part(self.shown, self.exact))
@@ -182,7 +185,7 @@ impl JudgedError {
 }
 
 impl Projection {
-    /// The error at a place, which has these `exact` colours.
+    /// Returns the error at a place with these `exact` colours.
     fn error_at(&self, exact: &PlaceColours, polynomials: &[Vec<f64>], dark: f64) -> JudgedError {
         let mut numbers = Vec::new();
         self.project(&exact.at_nodes(polynomials), &mut numbers);
@@ -194,7 +197,7 @@ impl Projection {
             let off = (linear_srgb(colour.as_dvec3()) - exact).length_squared();
             let size = exact.length_squared();
             let least = size + least * least;
-            // Beside the specular direction, f cos θ_i is w³ times the colour, but for constants.
+            // Beside the specular direction, f cos θ_i is w³ times the colour up to constants.
             let shown = w * w.powi(3).powi(2);
             JudgedError {
                 own: if least > 0.0 { w * off / least } else { 0.0 },
@@ -208,7 +211,7 @@ impl Projection {
 }
 
 impl PlaceColours {
-    /// The mean over `places`, from `sums` at Chebyshev nodes over 0 … 2 and the `matrix` from values there to coefficients.
+    /// Returns the mean over `places`, from `sums` at Chebyshev nodes over 0 … 2 and the `matrix` from values there to coefficients.
     fn of(places: &[DVec2], sums: &Sums<'_>, matrix: &[Vec<f64>], scratch: &mut Scratch) -> Self {
         let mut series = vec![DVec3::ZERO; matrix.len()];
         for place in places {
@@ -225,7 +228,7 @@ impl PlaceColours {
         Self { largest_w, series, judged, largest }
     }
 
-    /// XYZ at the nodes, `[channel][piece]`, that have these `polynomials`.
+    /// Returns XYZ at the nodes with these `polynomials`, `[channel][piece]`.
     fn at_nodes(&self, polynomials: &[Vec<f64>]) -> Vec<Vec4> {
         let values: Vec<DVec3> = polynomials.iter().map(|own| sum_of(&self.series, own)).collect();
         let channel = |channel: usize| {
@@ -236,21 +239,22 @@ impl PlaceColours {
     }
 }
 
-/// Σ coefficient · polynomial.
+/// Returns Σ coefficient · polynomial.
 fn sum_of(series: &[DVec3], polynomials: &[f64]) -> DVec3 {
     series.iter().zip(polynomials).map(|(a, t)| *a * *t).sum()
 }
 
-/// Chebyshev polynomials over 0 … 2, `count` of them, at |w| = `w`.
+/// Returns `count` Chebyshev polynomials over 0 … 2 at |w| = `w`.
 fn polynomials_at(w: f64, count: usize) -> Vec<f64> {
     let mut values = vec![0.0; count];
     polynomials(2.0 * w / LARGEST_W - 1.0, &mut values);
     values
 }
 
-/// The places whose average bases are made for and judged by: one, or, where pictures average over many, a row of them through `place`. Number `i` chooses its direction.
+/// Returns the places whose average is one sample: `place` alone or, if pictures average over many places, a row of them through `place`.
+/// Number `i` chooses its direction.
 fn row(i: usize, place: DVec2, reader: &OrderReader<'_>, settings: &TableSettings) -> Vec<DVec2> {
-    /// Standard deviations of the blur from one to the next, so that they are independent.
+    /// Distance of the places in standard deviations of the blur, so that they are independent.
     const APART: f64 = 3.0;
     let count = settings.budget.places.max(1);
     let blur = MIDDLE * reader.series.blur.variance[0].sqrt();
@@ -258,12 +262,12 @@ fn row(i: usize, place: DVec2, reader: &OrderReader<'_>, settings: &TableSetting
     (0..count).map(|k| place + step * (k as f64 - 0.5 * (count - 1) as f64)).collect()
 }
 
-/// The largest |w| at a place (u, v).
+/// Returns the largest |w| at a place (u, v).
 fn largest_w(place: DVec2) -> f64 {
     (LARGEST_W * LARGEST_W - place.length_squared()).max(0.0).sqrt()
 }
 
-/// Linear sRGB in the nodes of `piece`, `[channel][node]`, of a place with these `values`, relative to their size.
+/// Returns the linear sRGB in the nodes of `piece`, `[channel][node]`, of a place with these `values`, relative to their size.
 fn relative(values: &[Vec4], piece: usize, pieces: usize, dark: f64) -> Vec<Complex64> {
     let xyz: [Vec4; 3] = std::array::from_fn(|channel| values[channel * pieces + piece]);
     let node = |node: usize| linear_srgb(Vec3::from(xyz.map(|channel| channel[node])).as_dvec3());
@@ -274,36 +278,36 @@ fn relative(values: &[Vec4], piece: usize, pieces: usize, dark: f64) -> Vec<Comp
     (0..3).flat_map(|channel| nodes.map(|colour| Complex64::from(colour[channel] / size))).collect()
 }
 
-/// The real parts of `[channel][node]`, by channel.
+/// Returns the real parts of `[channel][node]`, by channel.
 fn by_channel(u: &[Complex64]) -> [Vec4; 3] {
     std::array::from_fn(|channel| {
         Vec4::from_array(std::array::from_fn(|node| u[channel * NODES + node].re as f32))
     })
 }
 
-/// From XYZ to linear sRGB.
+/// Returns the matrix from XYZ to linear sRGB.
 fn srgb_from_xyz() -> DMat3 {
     DMat3::from_cols(linear_srgb(DVec3::X), linear_srgb(DVec3::Y), linear_srgb(DVec3::Z))
 }
 
-/// Every node's linear sRGB as XYZ.
+/// Converts every node's linear sRGB to XYZ.
 fn to_xyz(srgb: &[Vec4; 3]) -> [Vec4; 3] {
     combined(srgb_from_xyz().inverse(), srgb)
 }
 
-/// The row that gives the product with `srgb` of a place's linear sRGB from its XYZ.
+/// Returns the row that gives the product of `srgb` with a place's linear sRGB from its XYZ.
 fn to_srgb_transposed(srgb: &[Vec4; 3]) -> [Vec4; 3] {
     combined(srgb_from_xyz().transpose(), srgb)
 }
 
-/// `matrix` times the channels at every node.
+/// Returns `matrix` times the channels at every node.
 fn combined(matrix: DMat3, channels: &[Vec4; 3]) -> [Vec4; 3] {
     std::array::from_fn(|row| {
         (0..3).map(|column| channels[column] * matrix.col(column)[row] as f32).sum::<Vec4>()
     })
 }
 
-/// The coefficients of 1, t, t² and t³ of the cubic with these values at the four Chebyshev nodes of −1 … 1.
+/// Returns the coefficients of 1, t, t² and t³ of the cubic with these values at the four Chebyshev nodes of −1 … 1.
 fn cubic_through(values: Vec4) -> [f32; NODES] {
     let rows = coefficients_from_values(NODES);
     let [a, b, c, d]: [f64; NODES] =
@@ -312,16 +316,17 @@ fn cubic_through(values: Vec4) -> [f32; NODES] {
     [a - c, b - 3.0 * d, 2.0 * c, 4.0 * d].map(|x| x as f32)
 }
 
-/// π (3 − √5): successive multiples are spread evenly around (Vogel, "A better way to construct the sunflower head", 1979).
+/// Golden angle π (3 − √5): successive multiples are spread evenly around (Vogel, "A better way to construct the sunflower head", 1979).
 const GOLDEN_ANGLE: f64 = 2.399_963;
 
-/// Places that bases are made for, and others that they are judged at: of both the brightest ones, which of a grating are few, and others evenly spread.
+/// Returns places from which bases are made, and others at which they are judged. Both include the brightest places, few for a grating, and
+/// evenly spread ones.
 fn places(reader: &OrderReader<'_>, spectrum: &DirectionWavelengths) -> [Vec<DVec2>; 2] {
-    /// Candidates, on a spiral of equal areas, and how many of them are chosen for their light and for their place.
+    /// Number of candidates, on a spiral of equal areas, and numbers of those chosen for their light and for their place.
     const CANDIDATES: usize = 3000;
     const BRIGHT: usize = 300;
     const SPREAD: usize = 300;
-    /// Of both, one in so many is judged.
+    /// One in this many places is judged.
     const JUDGED: usize = 3;
     let place = |i: usize| {
         let radius = LARGEST_W * ((i as f64 + 0.5) / CANDIDATES as f64).sqrt();

@@ -1,4 +1,4 @@
-//! Reads a colour table between its texels and over footprints: the twin of `shaders/source_table.glsl`.
+//! Interpolation of a colour table between its texels and over footprints: the twin of `shaders/source_table.glsl`.
 
 use super::basis::PER_TEXEL;
 use super::{ColorBasis, ColorTable, LARGEST_W, SPECULAR_SAMPLES};
@@ -9,19 +9,19 @@ use crate::optics::spectrum::MIDDLE;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Reads one table.
+/// Reader of one table.
 pub struct TableReader<'a> {
     table: &'a ColorTable,
 }
 
 impl<'a> TableReader<'a> {
-    /// Reads `table`.
+    /// Returns a reader of `table`.
     pub fn new(table: &'a ColorTable) -> Self {
         Self { table }
     }
 
-    /// The level to read over `around`, and the taps: a level stands for the shorter axis, as far as it
-    /// averages over no more, and taps for the rest.
+    /// Returns the level to read over `around`, and the taps. The level is the coarsest one that averages over no more than the shorter
+    /// axis, and taps average over the rest.
     pub fn taps(&self, around: &Covariance) -> (usize, Taps) {
         let header = &self.table.header;
         let [_, shorter] = around.axes();
@@ -34,7 +34,7 @@ impl<'a> TableReader<'a> {
     }
 
     /// Returns XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface that reflects by `reflectance`. A table that was
-    /// baked for a spectral reflectance holds it, but for the mean in its header.
+    /// baked for a spectral reflectance contains it, except for the mean in its header.
     pub fn xyz(&self, pair: &Pair, reflectance: &Reflectance, around: &Covariance) -> DVec3 {
         if !pair.above_horizon() {
             return DVec3::ZERO;
@@ -51,7 +51,7 @@ impl<'a> TableReader<'a> {
         colour * (reflectance * pair.geometric_factor_times_cos_light() / (w * w))
     }
 
-    /// The specular order's share.
+    /// Returns the share of the specular order.
     fn specular(&self, toward: DVec2, w: f64, around: &Covariance) -> DVec3 {
         let specular = &self.table.header.specular;
         let place = w / LARGEST_W * (SPECULAR_SAMPLES - 1) as f64;
@@ -71,7 +71,7 @@ impl<'a> TableReader<'a> {
         sum
     }
 
-    /// The table's value at a place, |w| and level.
+    /// Returns the table's value at a place, |w| and level.
     pub fn at(&self, toward: DVec2, w: f64, level: usize) -> DVec3 {
         let header = &self.table.header;
         let side = header.grid.side_of(level);

@@ -1,7 +1,7 @@
-//! The specular order in colour: what is left of a mirror, a lobe around the specular direction.
+//! The specular order in colour: the remaining mirror image, a lobe around the specular direction.
 //!
-//! At one wavelength it is |c_0(z)|² q² γ̂(q(u, v))/w², a Gaussian of (u, v) with the variance λ²/(8π²σ²) and the weight |c_0|²/w². Bands of
-//! wavelengths share a variance.
+//! At one wavelength it is |c_0(z)|² q² γ̂(q(u, v))/w², a Gaussian of (u, v) with the variance λ²/(8π²σ²) and the weight |c_0|²/w². Bands
+//! of wavelengths share a variance.
 
 use super::TableSettings;
 use crate::optics::quadrature::Wavelengths;
@@ -11,11 +11,11 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Bands of wavelengths. Within one, the variance differs by up to 10 % from the band's, which changes the lobe of a mirror by 1.2e-3 of its peak at
-/// most once all bands are added (`the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror`). Only pixels beside the specular direction
-/// sum them.
+/// Number of bands of wavelengths. Within one, the variance differs by up to 10 % from the band's, which changes the lobe of a mirror by
+/// 1.2e-3 of its peak at most once all bands are added (`the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror`). Only pixels beside
+/// the specular direction sum them.
 pub const BANDS: usize = 16;
-/// Samples of |w| over 0 … 2: between two, the phase of the farthest heights of 1 µm turns by a quarter of a radian.
+/// Number of samples of |w| over 0 … 2: between two, the phase of the farthest heights of 1 µm turns by a quarter of a radian.
 pub const SPECULAR_SAMPLES: usize = 128;
 
 /// XYZ weights of the lobe of each band over |w|, and its variance.
@@ -24,14 +24,15 @@ pub const SPECULAR_SAMPLES: usize = 128;
 pub struct Specular {
     /// Variance of u and of v in each band without a footprint.
     pub variances: Vec<f64>,
-    /// [band][sample of |w| over 0 … 2, ends included]: XYZ of |c_0|² summed over the band's wavelengths.
+    /// Weights [band][sample of |w| over 0 … 2, ends included]: XYZ of |c_0|² summed over the band's wavelengths.
     pub weights: Vec<Vec<[f32; 3]>>,
 }
 
 impl Specular {
     /// Computes the lobes of the surface of `series` in the light of `settings`.
     pub fn new(series: &OrderSeries, settings: &TableSettings) -> Self {
-        /// Wavelengths: about 1 nm apart, as the tables of the observer. Their weights are integrals, so that no narrow line falls between two.
+        /// Number of wavelengths: about 1 nm apart, like the tables of the observer. Their weights are integrals, so that no narrow line
+        /// falls between two.
         const COUNT: usize = 401;
         let wavelengths = Wavelengths::catmull_rom(&settings.illuminant, COUNT);
         let node = |i: usize| (wavelengths.wavenumbers[i], wavelengths.weights[i]);

@@ -1,7 +1,7 @@
-//! Sums the spectrum over squares of texels of a colour table.
+//! Sums over the spectrum for squares of texels of a colour table.
 //!
 //! For each wavelength the coefficients in z are read for all texels of a square, along f_x and then along f_y, and multiplied by the
-//! polynomials at all |w|: a matrix product in which neighbouring texels share what they read.
+//! polynomials at all |w|: a matrix product in which neighbouring texels share their reads.
 
 use super::{LARGEST_W, TableSettings};
 use crate::optics::quadrature::{WavelengthSets, Wavelengths};
@@ -14,23 +14,23 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Values of |w| in a piece of its range, for the coefficients of a cubic.
+/// Number of |w| in a piece of its range, for the coefficients of a cubic.
 pub const NODES: usize = 4;
 
-/// The wavelengths of each direction.
+/// Wavelengths of each direction.
 pub struct DirectionWavelengths {
     sets: WavelengthSets,
-    // For each set, wavelength by wavelength, what the surface reflects over cos θ_h; nothing where that does not depend on the wavelength.
+    // For each set, wavelength by wavelength, the reflectance over cos θ_h; empty if it does not depend on the wavelength.
     reflectances: Vec<Vec<ReflectanceRow>>,
     variance: f64,
 }
 
 impl DirectionWavelengths {
-    /// For the table of `settings`.
+    /// Chooses the wavelengths for the table of `settings`.
     pub fn new(series: &OrderSeries, settings: &TableSettings) -> Self {
         let orders = series.blur.variance;
         let variance = settings.finest.powi(2);
-        // The response along a ray varies as its blur allows: that of a window of this standard deviation.
+        // The response along a ray varies as fast as that of a window of this standard deviation, because both have the same blur.
         let blur = 0.5 * (orders[0] + orders[1]) + variance / MIDDLE.powi(2);
         let sigma = 1.0 / (PI * (8.0 * blur).sqrt());
         let illuminant = &settings.illuminant;
@@ -48,11 +48,11 @@ impl DirectionWavelengths {
     }
 }
 
-/// R at one wavenumber over the mean R, over cos θ_h.
+/// Ratio of R at one wavenumber to the mean R, over cos θ_h.
 struct ReflectanceRow(Vec<f32>);
 
 impl ReflectanceRow {
-    /// Steps of cos θ_h, about as many as shaders have ([`crate::optics::reflectance::COLUMNS`] says what that errs by).
+    /// Steps of cos θ_h, about as many as in shaders ([`crate::optics::reflectance::COLUMNS`] has the error).
     const STEPS: usize = 256;
 
     fn new(reflectance: &Reflectance, mean: &MeanReflectance, wavenumber: f64) -> Self {
@@ -63,7 +63,7 @@ impl ReflectanceRow {
         Self((0..=Self::STEPS).map(at).collect())
     }
 
-    /// R where |(u, v)|² and |w|² are `uv2` and `w2`.
+    /// Returns the ratio for |(u, v)|² = `uv2` and |w|² = `w2`.
     fn at(&self, uv2: f32, w2: f32) -> f32 {
         let place = (0.5 * (uv2 + w2).sqrt()).min(1.0) * Self::STEPS as f32;
         let left = (place as usize).min(Self::STEPS - 1);
@@ -72,9 +72,9 @@ impl ReflectanceRow {
     }
 }
 
-/// Values of |w| that the products take at once: the numbers of a vector register.
+/// Number of |w| that the products process at once: the size of a vector register.
 const LANES: usize = 8;
-/// Places whose products share what they read of the polynomials.
+/// Number of places whose products share their reads of the polynomials.
 const PLACES: usize = 4;
 
 /// Sums over the spectrum at given |w|.
@@ -99,7 +99,7 @@ pub struct Scratch {
     reading: ReadScratch,
     /// `[place][term]`.
     terms: Vec<f32>,
-    /// R, `[place][w]`; empty where R stands in front of the sums.
+    /// R, `[place][w]`; empty if R is a factor in front of the sums.
     reflectances: Vec<[f32; LANES]>,
     /// `[place][channel][w]`, w padded to [`LANES`].
     sums: Vec<Vec4>,
@@ -188,7 +188,7 @@ struct Products<'a> {
     polynomials: &'a [[f32; LANES]],
     /// Number of terms.
     terms: usize,
-    /// R, `[place][w / LANES][w % LANES]`; empty where R stands in front of the sums.
+    /// R, `[place][w / LANES][w % LANES]`; empty if R is a factor in front of the sums.
     reflectances: &'a [[f32; LANES]],
 }
 
@@ -260,7 +260,7 @@ impl WithSimd for AddProducts<'_> {
     }
 }
 
-/// The nodes of each of `pieces` of the range of |w|, one piece after the other.
+/// Returns the nodes of each of `pieces` of the range of |w|, one piece after the other.
 pub fn nodes_of_pieces(pieces: usize) -> Vec<f64> {
     let length = LARGEST_W / pieces as f64;
     let of_piece = |piece| nodes(NODES, length).into_iter().map(move |w| piece as f64 * length + w);

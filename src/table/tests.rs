@@ -37,7 +37,7 @@ fn pairs(count: usize, seed: u64) -> Vec<Pair> {
             let light = direction(70.0 * random.share(), 360.0 * random.share());
             let mut view = direction(75.0 * random.share(), 360.0 * random.share());
             if random.share() < 0.5 {
-                // Near the specular direction, where most of the power is.
+                // Near the specular direction, which has most of the power.
                 let near = DVec3::new(random.share() - 0.5, random.share() - 0.5, 0.0) * 0.4;
                 view = (DVec3::new(-light.x, -light.y, light.z) + near).normalize();
                 view.z = view.z.abs();
@@ -47,7 +47,7 @@ fn pairs(count: usize, seed: u64) -> Vec<Pair> {
         .collect()
 }
 
-/// Relative L2 error and the RMS of each colour's own.
+/// Returns the relative L2 error and the RMS of the relative errors of single colours.
 fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
     let (mut error, mut energy, mut own) = (0.0, 0.0, 0.0);
     for (a, b) in colours.iter().zip(exact) {
@@ -58,7 +58,7 @@ fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
     ((error / energy).sqrt(), (own / exact.len() as f64).sqrt())
 }
 
-/// Settings whose basis may err by `basis`.
+/// Returns settings whose basis may err by `basis`.
 fn with_basis(basis: f64) -> TableSettings {
     let settings = TableSettings::new(Illuminant::D65, 2e-2);
     TableSettings { budget: MeanBudget { basis, ..settings.budget }, ..settings }
@@ -76,7 +76,7 @@ fn a_flat_surface_takes_one_texel_and_scatters_nothing() {
 
 #[test]
 fn the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror() {
-    /// Of the visible range, ends included.
+    /// Number of wavelengths over the visible range, ends included.
     const COUNT: usize = 401;
     let field = synth::generate(&Spec { patch: Some([13.0, 11.0]), ..Spec::new(SurfaceKind::Flat) }).unwrap();
     let sigma = 3.0;
@@ -88,7 +88,7 @@ fn the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror() {
         let node = |(i, xyz): (usize, &DVec3)| {
             let q = 1.0 / LONGEST + i as f64 * step;
             let end = if i == 0 || i == COUNT - 1 { 0.5 } else { 1.0 };
-            // Of the window's power, of standard deviation 1/(√2·2πσ) in frequency.
+            // Lobe of the window's power, of standard deviation 1/(√2·2πσ) in frequency.
             *xyz * (step * end * lobe(r, (q * 2.0 * PI * sigma).powi(-2) / 2.0))
         };
         density.iter().enumerate().map(node).sum()
@@ -131,7 +131,8 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     }
 }
 
-/// Relative L2 error of the colours of `projection` at places and |w| that it has not seen, and the RMS of each colour's own, weighed by |w|.
+/// Returns the relative L2 error of the colours of `projection` at places and |w| that were not used to make it, and the RMS of the
+/// relative errors of single colours, weighted by |w|.
 fn errors_elsewhere(
     projection: &Projection,
     reader: &OrderReader<'_>,
@@ -199,7 +200,7 @@ fn all_components_hold_any_three_cubics() {
     let Projection { basis, .. } = &Projection::choose(&reader, &spectrum, &settings).unwrap();
     assert_eq!(basis.components, MOST_COMPONENTS);
     let projection = Projection::choose(&reader, &spectrum, &settings).unwrap();
-    // Colours that no surface sends: the values of cubics in t at the Chebyshev nodes, other ones for each channel and piece.
+    // Colours that no surface has: the values of cubics in t at the Chebyshev nodes, different ones for each channel and piece.
     let cubic = |channel: usize, piece: usize, t: f64| {
         let k = (1 + channel + 3 * piece) as f64;
         (0.3 * k).cos() + (1.7 * k).sin() * t - (2.9 * k).cos() * t * t + (0.7 * k).sin() * t * t * t

@@ -1,4 +1,4 @@
-//! The event loop: window events in, redraws out.
+//! Event loop: handles window events and requests redraws.
 
 use super::event::Event;
 use super::start::Start;
@@ -13,7 +13,7 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-/// The handler of the event loop.
+/// Handler of the event loop.
 pub struct App {
     start: Start,
     proxy: EventLoopProxy<Event>,
@@ -23,7 +23,7 @@ pub struct App {
 }
 
 impl App {
-    /// A handler that opens the window when the event loop starts.
+    /// Makes a handler that opens the window when the event loop starts.
     pub fn new(start: Start, proxy: EventLoopProxy<Event>) -> Self {
         Self { start, proxy, window: None, instance: None, error: None }
     }
@@ -35,7 +35,7 @@ impl App {
         self.window = None;
         let result = match (self.error, command) {
             (None, _) => kept,
-            // Name the command that draws the same picture, so that the settings are not lost.
+            // The command that draws the same picture keeps the settings from being lost.
             (Some(e), Some(command)) => Err(e.or(format!("draw the same picture with: {command}"))),
             (Some(e), None) => Err(e),
         };

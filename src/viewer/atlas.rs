@@ -1,5 +1,5 @@
-//! A texture of egui on the device, mostly glyphs. The frame that first shows a change also copies it. Barriers order the copy
-//! after the reads of earlier frames, so the host never waits.
+//! Texture of egui on the device, mostly glyphs. The frame that first shows a change also copies it. Barriers order the
+//! copy after the reads of earlier frames, so that the host never waits.
 
 use crate::error::{Error, Result};
 use crate::vk::access::Access;
@@ -14,16 +14,16 @@ use egui::ImageData;
 use egui::epaint::ImageDelta;
 use std::sync::Arc;
 
-/// A texture and the descriptor set through which the panel's pipeline reads it.
+/// Texture and the descriptor set through which the panel's pipeline reads it.
 pub struct Atlas {
-    // Before the image that it points to.
+    // Before the image, so that it is dropped first.
     descriptors: Descriptors,
     image: Image,
-    // The access of the commands recorded last.
+    // Last recorded access.
     last: Access,
 }
 
-/// Resources that one frame uses last. They are freed when the device has finished the frame.
+/// Resources used for the last time by one frame. They are freed when the device has finished the frame.
 #[derive(Default)]
 pub struct FrameResources {
     staging: Vec<Buffer>,
@@ -44,10 +44,10 @@ impl FrameResources {
 }
 
 impl Atlas {
-    /// An atlas of `size` texels, read through `sampler`; its texels are undefined until they are written.
+    /// Makes an atlas of `size` texels, read through `sampler`; its texels are undefined until they are written.
     ///
     /// # Errors
-    /// When the device has no memory.
+    /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, sampler: &Sampler, size: [u32; 2]) -> Result<Self> {
         let description = Description {
             name: "panel texture",
@@ -58,7 +58,7 @@ impl Atlas {
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
         };
         let image = Image::new(device, &description)?;
-        // The binding of egui_ash_renderer's pipeline layout.
+        // Binding in the pipeline layout of egui_ash_renderer.
         let binding = Binding {
             number: 0,
             kind: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
@@ -69,12 +69,12 @@ impl Atlas {
         Ok(Self { descriptors, image, last: Access::Nothing })
     }
 
-    /// The descriptor set.
+    /// Returns the descriptor set.
     pub fn set(&self) -> vk::DescriptorSet {
         self.descriptors.set()
     }
 
-    /// Width and height in texels.
+    /// Returns width and height \[texels\].
     pub fn size(&self) -> [u32; 2] {
         self.image.size()
     }
@@ -82,7 +82,7 @@ impl Atlas {
     /// Records the copy of `delta`. `resources` keeps the staging buffer until the device has read it.
     ///
     /// # Errors
-    /// Where the device has no room, or the change lies outside of the atlas.
+    /// Fails if the device is out of memory, or if the change lies outside the atlas.
     pub fn write(
         &mut self,
         device: &Arc<Device>,
@@ -109,7 +109,7 @@ impl Atlas {
     }
 }
 
-/// Only a bug in egui or here leads to this.
+/// Returns the error of an inconsistent texture change, which indicates a bug in egui or here.
 pub(super) fn misplaced() -> Error {
     Error::failed("the panel changes a texture that is not there", "report this as a bug of diffract")
 }

@@ -1,37 +1,37 @@
-//! Undo and redo of what the user sets.
+//! Undo and redo of the user's settings.
 
 use super::settings::ViewSettings;
 
-/// The settings before and after the present ones. A drag is one change.
+/// Settings before and after the present ones. A drag is one change.
 pub struct Changes {
     present: ViewSettings,
-    // The newest last.
+    // Newest last.
     earlier: Vec<ViewSettings>,
     later: Vec<ViewSettings>,
-    // Whether the user is in the middle of a change.
+    // True during a change such as a drag.
     unfinished: bool,
 }
 
-/// A direction in the list of changes, or among the files of a folder.
+/// Direction in the list of changes, or among the files of a folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepDirection {
-    /// Undo; the file before.
+    /// Undo; the previous file.
     Back,
-    /// Redo; the file after.
+    /// Redo; the next file.
     Forward,
 }
 
 impl Changes {
-    /// Settings that are kept to return to.
+    /// Maximum number of settings that are kept for undo.
     const MOST: usize = 100;
 
-    /// None yet.
+    /// Makes an empty list of changes.
     pub fn new(present: ViewSettings) -> Self {
         Self { present, earlier: Vec::new(), later: Vec::new(), unfinished: false }
     }
 
-    /// Takes over `settings` as they are before the user acts: what the window itself has changed, such as a view that is fitted to another size, is no
-    /// change to undo. There is no way back to another scene.
+    /// Takes over `settings` before the user acts. Changes by the window, such as a view that is fitted to another
+    /// size, cannot be undone. Another scene clears the list.
     pub fn begin(&mut self, settings: &ViewSettings) {
         if self.unfinished || *settings == self.present {
             return;
@@ -43,7 +43,7 @@ impl Changes {
         self.present.clone_from(settings);
     }
 
-    /// Takes note of what the user has changed in `settings`, once it is `finished`.
+    /// Records the user's change of `settings` once it is `finished`.
     pub fn end(&mut self, settings: &ViewSettings, finished: bool) {
         self.unfinished = *settings != self.present && !finished;
         if !finished || *settings == self.present {
@@ -56,14 +56,14 @@ impl Changes {
         }
     }
 
-    /// Takes note of what an action of the user has changed between two passes of the panel.
+    /// Records the change by an action of the user between two passes of the panel.
     pub fn act(&mut self, settings: &ViewSettings) {
         if !self.unfinished {
             self.end(settings, true);
         }
     }
 
-    /// The settings a step away; `None` where there are none, or in the middle of a change.
+    /// Returns the settings one step away; `None` if there are none, or during a change.
     pub fn step(&mut self, step: StepDirection) -> Option<ViewSettings> {
         if self.unfinished {
             return None;
@@ -72,7 +72,7 @@ impl Changes {
             StepDirection::Back => (&mut self.earlier, &mut self.later),
             StepDirection::Forward => (&mut self.later, &mut self.earlier),
         };
-        // A change that was refused has left the same settings twice.
+        // A refused change has left the same settings twice.
         while from.last() == Some(&self.present) {
             from.pop();
         }
@@ -91,7 +91,7 @@ mod tests {
         ViewSettings { exposure, ..settings().0 }
     }
 
-    /// A change from the present settings to `exposure`.
+    /// Changes the present settings to `exposure`.
     fn change(changes: &mut Changes, exposure: f64) {
         let before = changes.present.clone();
         changes.begin(&before);
@@ -132,7 +132,7 @@ mod tests {
         let mut changes = Changes::new(exposed(0.0));
         change(&mut changes, 1.0);
         change(&mut changes, 2.0);
-        changes.begin(&exposed(1.0)); // the window returns to what is shown
+        changes.begin(&exposed(1.0)); // the window returns to the displayed settings
         assert_eq!(changes.step(StepDirection::Back).map(|s| s.exposure), Some(0.0));
         change(&mut changes, 3.0);
         changes.begin(&ViewSettings { scene: "disc".to_owned(), ..exposed(3.0) });

@@ -1,26 +1,26 @@
-//! What the user can do by a key or by name. The keys, the list of them and the palette read the same rows.
+//! Commands of the window, by key or by name. The keys, their list and the palette read the same rows.
 
 use super::changes::StepDirection;
 use super::model::{Model, SaveAs};
 use egui::{InputState, Key, Modifiers};
 
-/// Something that the user can do.
+/// Command of the user.
 pub struct ViewerCommand {
-    /// What it does, as the list of keys and the palette name it.
+    /// Description in the list of keys and in the palette.
     pub name: &'static str,
-    /// Keys that do it.
+    /// Keys of the command.
     pub shortcuts: &'static [Shortcut],
-    /// Does it.
+    /// Action of the command.
     pub run: fn(&mut Model),
 }
 
-/// A key with what is held beside it.
+/// Key with its modifiers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shortcut {
     key: Key,
-    // Whether Ctrl is held; on a Mac the command key.
+    // True if Ctrl is held; on a Mac the command key.
     control: bool,
-    // Whether Shift is held; it is part of typing a sign that is no letter.
+    // True if Shift is held. Ignored for keys other than letters, because typing some of them needs Shift.
     shift: bool,
 }
 
@@ -178,13 +178,14 @@ fn expose(model: &mut Model, stops: f64) {
 }
 
 impl ViewerCommand {
-    /// The keys that do it, as they are listed.
+    /// Returns the keys as listed for the user.
     pub fn keys(&self) -> String {
         let named: Vec<String> = self.shortcuts.iter().map(Shortcut::name).collect();
         named.join(", ")
     }
 
-    /// Whether one of its keys was pressed since the last pass. Repeats of a held key do not count: no command should run many times.
+    /// Returns true if one of the keys was pressed since the last pass. Repeats of a held key are ignored, so that a
+    /// command runs once.
     pub fn is_pressed(&self, input: &InputState) -> bool {
         input.events.iter().any(|event| match event {
             egui::Event::Key { key, pressed: true, repeat: false, modifiers, .. } => {
@@ -202,7 +203,7 @@ impl Shortcut {
         key == self.key && shift && modifiers.command == self.control && !modifiers.alt
     }
 
-    /// As on a keyboard.
+    /// Returns the name as printed on a keyboard.
     fn name(&self) -> String {
         let key = match self.key {
             Key::Space => "space",

@@ -1,4 +1,4 @@
-//! The comparison: what is shown right of the movable split.
+//! Comparison of the picture with another setting, shown right of the movable split.
 
 use super::settings::OpticsSettings;
 use crate::filter::FootprintSizes;
@@ -6,31 +6,31 @@ use crate::optics::coherence::Windows;
 use crate::setup::LEAST_TABLE_TOLERANCE;
 use crate::spectra::amplitude::expansion::Basis;
 
-/// How the picture is compared with another setting.
+/// Mode of the comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compare {
-    /// Not at all.
+    /// No comparison.
     #[default]
     Alone,
-    /// The scene drawn with the other setting is shown beside it.
+    /// The scene drawn with the other setting, shown right of the split.
     Beside,
-    /// The difference from the other setting is shown in false colour.
+    /// The difference from the other setting, shown in false colour.
     Difference(Metric),
 }
 
-/// A measure of how far two pictures are apart, pixel by pixel.
+/// Measure of the difference of two pictures, pixel by pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Metric {
     /// |a − b|/|b| of linear radiance.
     Relative,
-    /// CIEDE2000 of what is displayed.
+    /// CIEDE2000 of the displayed pictures.
     ColorDifference,
-    /// ꟻLIP of what is displayed (Andersson et al. 2020).
+    /// ꟻLIP of the displayed pictures (Andersson et al. 2020).
     Flip,
 }
 
 impl Metric {
-    /// What stands along the colour scale, at equal distances.
+    /// Returns the labels along the colour scale, at equal distances.
     pub fn ticks(self) -> &'static [&'static str] {
         match self {
             Self::Relative => &["0.01 %", "0.1 %", "1 %", "10 %", "100 %"],
@@ -39,7 +39,7 @@ impl Metric {
         }
     }
 
-    /// The place of `value` on the colour scale, 0 to 1.
+    /// Returns the position of `value` on the colour scale, 0 to 1.
     pub fn place(self, value: f64) -> f64 {
         let logarithmic =
             |low: f64, decades: f64| ((value.max(1e-20) / low).log10() / decades).clamp(0.0, 1.0);
@@ -50,7 +50,7 @@ impl Metric {
         }
     }
 
-    /// The number for a whole picture, with what it is.
+    /// Returns the value for a whole picture as text, with the name of the measure.
     pub fn describe(self, total: f64) -> String {
         match self {
             Self::Relative => format!("relative L2 {:.3} %", total * 1e2),
@@ -60,17 +60,17 @@ impl Metric {
     }
 }
 
-/// A side of the comparison.
+/// Side of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The user's own picture.
+    /// The user's picture.
     Own,
-    /// What it is compared with.
+    /// The picture it is compared with.
     Other,
 }
 
 impl Compare {
-    /// All, in the order in which a key steps through them.
+    /// All modes, in the order in which a key steps through them.
     pub const ALL: [Self; 5] = [
         Self::Alone,
         Self::Beside,
@@ -79,7 +79,7 @@ impl Compare {
         Self::Difference(Metric::Flip),
     ];
 
-    /// The name on the panel.
+    /// Returns the name on the panel.
     pub fn name(self) -> &'static str {
         match self {
             Self::Alone => "off",
@@ -90,37 +90,40 @@ impl Compare {
         }
     }
 
-    /// The next one.
+    /// Returns the next mode.
     pub fn next(self) -> Self {
         let place = Self::ALL.iter().position(|mode| *mode == self).unwrap_or(0);
         Self::ALL[(place + 1) % Self::ALL.len()]
     }
 }
 
-/// Returns the setting to compare with until the user changes it. For a colour table it is a table of three tenths of the tolerance: one of a tenth takes a
-/// gigabyte for the default scene. For one window it is a tenth of the tolerance, by the most accurate basis.
+/// Returns the setting to compare with until the user changes it. For a colour table this is a table of three tenths of
+/// the tolerance: one of a tenth takes a gigabyte for the default scene. For one window it is a tenth of the tolerance
+/// with the most accurate basis.
 pub fn strict(own: &OpticsSettings) -> OpticsSettings {
     let (share, least) = if own.windows == Windows::All { (0.3, LEAST_TABLE_TOLERANCE) } else { (0.1, 1e-4) };
     optimal(own, (share * own.tolerance).max(least))
 }
 
-/// Footprints that the first colours of a picture are made for, whatever is seen: four times the blur by sunlight's coherence. No picture is drawn to measure footprints,
-/// which takes 2.4 s for the default scene on two slow cores of lavapipe, and baking takes 1.5 s instead of 2.2 s (2026-11-27).
+/// Footprints assumed for the first colours of a picture, whatever its view: four times the blur by the coherence of
+/// sunlight. No picture is drawn to measure footprints, which takes 2.4 s for the default scene on two slow cores of
+/// lavapipe, and baking takes 1.5 s instead of 2.2 s (2026-11-27).
 pub const PREVIEWED: FootprintSizes = FootprintSizes { shorter: 0.016, longer: 0.06 };
 
-/// Returns the setting for the first colours of a picture; `None` if its own is as quick to prepare.
+/// Returns the setting for the first colours of a picture; `None` if the given one is as fast to prepare.
 pub fn preview(own: &OpticsSettings) -> Option<OpticsSettings> {
-    /// Enough to recognise the colours, and in a small part of the usual time.
+    /// Accurate enough to recognise the colours, in a small fraction of the usual time.
     const TOLERANCE: f64 = 0.3;
     (own.tolerance < TOLERANCE).then(|| optimal(own, TOLERANCE))
 }
 
-/// The setting for moving pictures: ten times the tolerance.
+/// Returns the setting for moving pictures: ten times the tolerance.
 pub fn coarse(own: &OpticsSettings) -> OpticsSettings {
     optimal(own, loose(own))
 }
 
-/// The factor on the tolerance of the sum over wavelengths in moving pictures; `None` if the setting is loose already.
+/// Returns the factor on the tolerance of the sum over wavelengths in moving pictures; `None` if the setting is loose
+/// already.
 pub fn looser_colours(own: &OpticsSettings) -> Option<f64> {
     Some(loose(own) / own.tolerance).filter(|&factor| factor > 1.5)
 }

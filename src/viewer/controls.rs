@@ -1,14 +1,14 @@
-//! What helps against an error, in controls of the panel.
+//! Remedies of errors in terms of the panel's controls.
 
 use crate::error::{Error, Remedy};
 use std::borrow::Cow;
 
-/// The error in one line that names controls.
+/// Returns the error in one line that names controls.
 pub fn in_controls(error: &Error) -> String {
     error.in_words(control)
 }
 
-/// What to change in the window for `remedy`.
+/// Returns the change in the window for `remedy`.
 fn control(remedy: &Remedy) -> Cow<'_, str> {
     Cow::Borrowed(match remedy {
         Remedy::Words(words) => words,

@@ -1,4 +1,5 @@
-//! Where two pictures differ, in false colour: relative error, colour difference, or what an observer sees who flips between them.
+//! Difference of two pictures in false colour: relative error, colour difference, or the error seen by an observer who
+//! flips between them.
 
 use super::compare::Metric;
 use crate::figure::palette::ColorMap;
@@ -6,21 +7,21 @@ use crate::measure::error::{PixelErrors, flip_map};
 use crate::optics::color::DISPLAY_BLACK;
 use crate::optics::color_difference::{ciede2000, lab};
 use crate::render::frame::Shown;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A difference in false colour.
+/// Difference in false colour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DifferenceMap {
-    /// sRGB-encoded, opaque, row by row from the top.
+    /// Pixels, sRGB-encoded and opaque, row by row from the top.
     pub pixels: Vec<[u8; 4]>,
-    /// The relative L2, the mean ΔE₀₀ of covered pixels, or the mean ꟻLIP error.
+    /// Relative L2 error, mean ΔE₀₀ of the covered pixels, or mean ꟻLIP error.
     pub total: f64,
 }
 
-/// How far `judged` is from `judge`, which are displayed as `shown` says, within their first `size` pixels. What the judge does not cover is shown as the
-/// judge displays it.
+/// Maps the difference of `judged` from `judge`, both displayed with the settings `shown`, within their first `size`
+/// pixels. Pixels that are uncovered in `judge` are shown as it displays them.
 pub fn map(metric: Metric, judged: &Picture, judge: &Picture, shown: Shown, size: [u32; 2]) -> DifferenceMap {
     let [judged, judge] = [judged, judge].map(|picture| PicturePart::of(picture, size));
     let values: Vec<f64> = match metric {
@@ -53,9 +54,9 @@ pub fn map(metric: Metric, judged: &Picture, judge: &Picture, shown: Shown, size
     DifferenceMap { pixels: (0..values.len()).map(color).collect(), total }
 }
 
-/// The first pixels of a picture.
+/// First columns and rows of a picture.
 struct PicturePart {
-    // Linear radiance; nothing where the mesh does not cover.
+    // Linear radiance; zero at uncovered pixels.
     radiance: Vec<DVec3>,
     covered: Vec<bool>,
     display: Vec<[u8; 4]>,
@@ -84,7 +85,7 @@ mod tests {
 
     const SHOWN: Shown = Shown { exposure: 1.0, tone: Tone::None, background: DVec3::ZERO };
 
-    /// 4 × 3 pixels of which the first row is not covered, in a larger picture.
+    /// Returns a larger picture whose first 4 × 3 pixels have an uncovered first row.
     fn picture(rgb: DVec3) -> Picture {
         let size = [6u32, 5];
         let pixel = |i: usize| {

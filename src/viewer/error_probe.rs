@@ -5,18 +5,18 @@ use crate::error::{Error, Result};
 use crate::measure::error::{PixelErrors, sample};
 use crate::render::directions::Directions;
 use crate::render::frame::View;
-use crate::render::picture::Painter;
 use crate::render::reference_picture::{covered, reference_pixels};
+use crate::render::renderer::Renderer;
 use glam::DVec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Pixels that are compared.
+/// Number of pixels that are compared.
 const PIXELS: usize = 300;
-/// Pixels that suffice to count the cost of a picture.
+/// Number of pixels that suffice to estimate the cost of a picture.
 const COUNTED: usize = 4096;
 
-/// Pixels of a picture, with the directions that they were shaded for.
+/// Pixels of a picture, with the directions they were shaded for.
 #[derive(Clone, Debug)]
 pub struct ProbeSamples {
     /// Linear sRGB radiance of each pixel.
@@ -25,15 +25,15 @@ pub struct ProbeSamples {
     pub directions: Vec<Directions>,
 }
 
-/// The directions of every pixel, one entry per light of `view`.
+/// Returns the directions of every pixel, one entry per light of `view`.
 ///
 /// # Errors
-/// When the device is lost.
-pub fn directions(painter: &mut Painter, view: &View) -> Result<Vec<Directions>> {
-    (0..view.light_count()).map(|light| painter.directions(view, light)).collect()
+/// Fails if the device is lost.
+pub fn directions(renderer: &mut Renderer, view: &View) -> Result<Vec<Directions>> {
+    (0..view.light_count()).map(|light| renderer.directions(view, light)).collect()
 }
 
-/// Some of `pixels`, evenly spaced: enough to count the cost of a picture.
+/// Returns a subset of the pixels, evenly spaced, that suffices to estimate the cost of a picture.
 pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     // With an odd stride the samples of a picture of even width are not confined to a few columns.
     let stride = (pixels / COUNTED).max(1) | 1;
@@ -44,15 +44,15 @@ pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
     directions.iter().map(of_light).collect()
 }
 
-/// Random pixels that show the first object in the picture of `view` that `painter` drew last.
+/// Returns random pixels of the first object in the last picture of `view` drawn by `renderer`.
 ///
 /// # Errors
-/// When the device is lost.
-pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
-    let radiance = painter.picture()?.radiance;
-    let directions = directions(painter, view)?;
+/// Fails if the device is lost.
+pub fn samples(renderer: &mut Renderer, view: &View) -> Result<ProbeSamples> {
+    let radiance = renderer.picture()?.radiance;
+    let directions = directions(renderer, view)?;
     let mut pixels = covered(&directions);
-    // The settings are those of the first object.
+    // The settings apply to the first object alone.
     pixels.retain(|&pixel| directions.iter().all(|seen| seen.object(pixel) == 0));
     let chosen = sample(&pixels, PIXELS);
     Ok(ProbeSamples {
@@ -64,7 +64,7 @@ pub fn samples(painter: &mut Painter, view: &View) -> Result<ProbeSamples> {
     })
 }
 
-/// Pixels to compare with the reference, and the settings that they were drawn with.
+/// Pixels to compare with the reference, and the settings they were drawn with.
 pub struct ProbeTask {
     /// Surface and settings.
     pub prepared: Arc<Prepared>,
@@ -72,20 +72,20 @@ pub struct ProbeTask {
     pub view: View,
     /// Exposure \[stops\].
     pub exposure: f64,
-    /// The pixels.
+    /// Pixels.
     pub samples: ProbeSamples,
 }
 
 /// State of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProbeStatus {
-    /// The fraction of the work that is done.
+    /// Fraction of the work that is done.
     Running(f32),
-    /// The result.
+    /// Result.
     Done(PixelErrors),
 }
 
-/// A measurement in the background. Dropping it cancels it without waiting.
+/// Measurement in the background. Dropping it cancels the measurement without waiting.
 pub struct ErrorProbe {
     stop: Arc<AtomicBool>,
 }
@@ -94,7 +94,7 @@ impl ErrorProbe {
     /// Compares the pixels of `probe` with the reference and sends progress and result to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(probe: ProbeTask, reply: impl Fn(Result<ProbeStatus>) + Send + 'static) -> Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();

@@ -11,32 +11,32 @@ use super::worker::WorkerReply;
 use crate::error::Result;
 use std::sync::Arc;
 
-/// What came of opening a scene.
+/// Result of opening a scene.
 pub struct OpenedScene {
-    /// Its name.
+    /// Name of the scene.
     pub name: String,
-    /// Whether it is opened to return to the settings at the start.
+    /// True if it is opened to return to the settings at the start.
     pub resets: bool,
-    /// The scene.
+    /// Scene, or the error of reading it.
     pub loaded: Result<LoadedScene>,
-    /// The settings of a window to go on with.
+    /// Settings to restore with it, if any.
     pub settings: Option<ViewSettings>,
 }
 
-/// A message from a background thread.
+/// Message from a background thread.
 pub enum Event {
-    /// From the worker that prepares layers and colour tables.
+    /// Reply of the worker that prepares layers and colour tables.
     Worker(WorkerReply),
-    /// From the render thread.
+    /// Reply of the render thread.
     Render(RenderReply),
-    /// From the error probe.
+    /// Status of the error probe.
     Probe(Result<ProbeStatus>),
-    /// What the reference says of the reading of this number.
+    /// Answer of the reference to the reading of this number.
     Inspector(u64, Result<Answer>),
-    /// A scene was read.
+    /// Scene that was read.
     Scene(Box<OpenedScene>),
-    /// What the surface pane shows of a height field.
+    /// Analysis of a height field for the surface pane.
     Analysis(Result<Arc<Analysis>>),
-    /// Another height file of the folder.
+    /// Next height file of the folder.
     Neighbour(Result<Neighbour>),
 }

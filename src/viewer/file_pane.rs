@@ -1,10 +1,10 @@
-//! The dialog in which files are chosen.
+//! File dialog.
 
 use super::files::{Chosen, DialogPurpose};
 use super::model::Model;
 use egui::{Key, Popup, Ui};
 
-/// Shows the dialog, if it is open, and does what was chosen.
+/// Shows the dialog if it is open, and opens or writes the chosen file.
 pub fn show(ui: &Ui, model: &mut Model) {
     if ui.input(|input| input.key_pressed(Key::Escape)) && !Popup::is_any_open(ui.ctx()) {
         model.file_choice.close();

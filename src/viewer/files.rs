@@ -1,50 +1,50 @@
-//! Files that the user chooses to open or to write, and those that were opened lately.
+//! Files that the user chooses to open or to write, and recently opened files.
 
 use crate::surface::files::EXTENSIONS;
 use egui_file_dialog::{DialogState, FileDialog};
 use std::path::{Path, PathBuf};
 
-/// Files that are listed as opened lately.
+/// Maximum number of recently opened files in the list.
 const MOST_RECENT: usize = 12;
 
-/// What a file is chosen for.
+/// Purpose of choosing a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DialogPurpose {
-    /// A scene, a mesh or a height field, to be shown.
+    /// Open a scene, a mesh or a height field.
     Open,
-    /// A scene file, to be written.
+    /// Write a scene file.
     SaveScene,
 }
 
-/// A choice that was made.
+/// File chosen in the dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chosen {
-    /// What for.
+    /// Purpose.
     pub purpose: DialogPurpose,
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
 }
 
-/// The dialog in which files are chosen, and the list of those that were opened lately.
+/// File dialog, and the list of recently opened files.
 #[derive(Default)]
 pub struct FileChoice {
     dialog: Option<(DialogPurpose, FileDialog)>,
-    // The newest first.
+    // Newest first.
     recent: Vec<String>,
 }
 
 impl FileChoice {
-    /// With a list of files that were opened lately, the newest first.
+    /// Makes a closed dialog with a list of recently opened files, newest first.
     pub fn with_recent(recent: Vec<String>) -> Self {
         Self { dialog: None, recent }
     }
 
-    /// Whether a file is being chosen.
+    /// Returns true while the dialog is open.
     pub fn is_open(&self) -> bool {
         self.dialog.is_some()
     }
 
-    /// Lets the user choose a file to open.
+    /// Opens the dialog for a file to open.
     pub fn open(&mut self) {
         let all = [&["toml", "obj"][..], &EXTENSIONS].concat();
         let mut dialog = dialog("Open a scene, a mesh or a height field")
@@ -57,7 +57,7 @@ impl FileChoice {
         self.dialog = Some((DialogPurpose::Open, dialog));
     }
 
-    /// Lets the user choose where the scene is written.
+    /// Opens the dialog for the scene file to write.
     pub fn save_scene(&mut self) {
         let mut dialog = dialog("Save the scene with all settings")
             .add_save_extension("scene", "toml")
@@ -72,7 +72,7 @@ impl FileChoice {
         self.dialog = None;
     }
 
-    /// Shows the dialog, if it is open; what was chosen in it.
+    /// Shows the dialog if it is open, and returns the chosen file.
     pub fn update(&mut self, context: &egui::Context) -> Option<Chosen> {
         let (purpose, dialog) = self.dialog.as_mut()?;
         let purpose = *purpose;
@@ -84,7 +84,7 @@ impl FileChoice {
         path.map(|path| Chosen { purpose, path })
     }
 
-    /// Takes note of a file that was opened; the list where that has changed it.
+    /// Adds an opened file to the list; returns the list if it has changed.
     pub fn remember(&mut self, name: &str) -> Option<&[String]> {
         let path = Path::new(name);
         let absolute = std::path::absolute(path).ok().filter(|_| path.is_file())?;
@@ -98,7 +98,7 @@ impl FileChoice {
         Some(&self.recent)
     }
 
-    /// The files that were opened lately and are still there, the newest first.
+    /// Returns the recently opened files that still exist, newest first.
     pub fn recent(&self) -> Vec<String> {
         self.recent.iter().filter(|name| Path::new(name).is_file()).cloned().collect()
     }

@@ -1,4 +1,4 @@
-//! The height files of a folder, one after another.
+//! Height files of a folder in their order.
 
 use super::changes::StepDirection;
 use crate::error::{Error, Result};
@@ -6,21 +6,21 @@ use crate::surface::files::EXTENSIONS;
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
-/// A file of a folder.
+/// Height file in a folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Neighbour {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its number among the height files of the folder, from 1.
+    /// Number among the height files of the folder, from 1.
     pub number: usize,
-    /// How many there are.
+    /// Number of height files in the folder.
     pub of: usize,
 }
 
-/// The height file after or before `file` in its folder, in the order of their names; after the last comes the first.
+/// Returns the height file after or before `file` in its folder, ordered by name. The first file follows the last.
 ///
 /// # Errors
-/// A folder that cannot be read, and one without another height file.
+/// Fails if the folder cannot be read, or if it has no other height file.
 pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let unreadable = |e: std::io::Error| {
@@ -37,7 +37,7 @@ pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     files.sort_by(|a, b| by_name(&name(a), &name(b)));
     let of = files.len();
     let own = name(file);
-    // Where the file itself is gone, its place is where it would stand.
+    // If `file` itself is gone, its position is the one it would have.
     let before = files.iter().take_while(|other| by_name(&name(other), &own).is_lt()).count();
     let is_there = files.get(before).is_some_and(|other| name(other) == own);
     let place = match step {
@@ -54,7 +54,7 @@ fn name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The order of names in which numbers count as such: scan2 stands before scan10.
+/// Compares names, with numbers in them compared by value: scan2 comes before scan10.
 fn by_name(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (a, b);
     loop {
@@ -104,7 +104,7 @@ mod tests {
             assert_eq!(name(&step(expected, StepDirection::Back).path), at);
             at = expected.to_owned();
         }
-        // A file that is gone leaves its place.
+        // A file that is gone keeps its position.
         assert_eq!(name(&step("scan5.png", StepDirection::Forward).path), "scan10.png");
         assert_eq!(name(&step("scan5.png", StepDirection::Back).path), "scan2.png");
     }

@@ -1,4 +1,4 @@
-//! A frame of the scene: what it is drawn from, how it is asked for, what comes back.
+//! Frame of the scene: its data, the request for it, and the result.
 
 use super::compare::Compare;
 use super::inset::{Inset, InsetRequest};
@@ -12,9 +12,9 @@ use crate::scene::Scene;
 use crate::vk::image::Image;
 use std::sync::Arc;
 
-/// A scene with its textures read, ready for upload.
+/// Scene with its textures read, ready for upload.
 pub struct LoadedScene {
-    /// The scene.
+    /// Scene.
     pub scene: Scene,
     /// Textures of its objects, the first object first.
     pub textures: Vec<ObjectTextures>,
@@ -24,48 +24,48 @@ impl LoadedScene {
     /// Reads the textures of `scene`.
     ///
     /// # Errors
-    /// When a texture cannot be read.
+    /// Fails if a texture cannot be read.
     pub fn of(scene: Scene) -> Result<Self> {
         Ok(Self { textures: ObjectTextures::of(&scene)?, scene })
     }
 }
 
-/// A frame to draw.
+/// Frame to draw.
 #[derive(Clone)]
 pub struct FrameRequest {
     /// Mesh and pigment.
     pub loaded: Arc<LoadedScene>,
-    /// The user's setting.
+    /// Main setting, left of the split.
     pub own: Arc<Prepared>,
-    /// The setting to compare with.
+    /// Setting to compare with, right of the split.
     pub other: Option<Arc<Prepared>>,
-    /// A cheaper setting that replaces `own` at this quality.
+    /// Cheaper setting that replaces `own` at this quality.
     pub lighter: Option<Arc<Prepared>>,
-    /// How much of the work is done.
+    /// Resolution and detail.
     pub quality: Quality,
-    /// Whether camera or lights are moving. Such a frame is finished before a newer request is taken, unless it takes too
-    /// long.
+    /// True if camera or lights are moving. Such a frame is finished before a newer request is taken, unless it takes
+    /// too long.
     pub moving: bool,
-    /// Whether to draw even if the same picture is on the device already.
+    /// True to draw even if the same picture is on the device already.
     pub again: bool,
     /// Camera, lights, pigment.
     pub view: View,
-    /// How it is displayed.
+    /// Display settings.
     pub shown: Shown,
-    /// Whether its exposure is to be measured, and not that of `shown`.
+    /// True if the exposure is to be measured instead of taken from `shown`.
     pub measured: bool,
-    /// Pixels of the picture.
+    /// Size of the picture \[pixels\].
     pub size: [u32; 2],
-    /// What is shown right of the split.
+    /// Mode of the comparison.
     pub compare: Compare,
-    /// Samples that are summed once the first one is shown.
+    /// Samples to sum once the first one is shown.
     pub sampling: Sampling,
-    /// The BRDF over the hemisphere, if that is to be shown.
+    /// Hemisphere inset, if requested.
     pub inset: Option<InsetRequest>,
 }
 
 impl FrameRequest {
-    /// Whether `other` asks for the same image at the same quality.
+    /// Returns true if `other` requests the same image at the same quality.
     pub fn shows_the_same_as(&self, other: &Self) -> bool {
         let number = |p: &Option<Arc<Prepared>>| p.as_ref().map(|p| p.number);
         Arc::ptr_eq(&self.loaded, &other.loaded)
@@ -82,49 +82,49 @@ impl FrameRequest {
             && self.view == other.view
     }
 
-    /// Whether an error that was measured on the picture of `other` holds for this one too.
+    /// Returns true if an error measured on the picture of `other` is valid for this one too.
     pub fn has_the_radiance_of(&self, other: &Self) -> bool {
         self.view == other.view && self.own.number == other.own.number && self.size == other.size
     }
 }
 
-/// State of the scene while a frame was drawn.
+/// Motion of the scene while a frame was drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// Camera or lights moved, and the frame had to keep to the budget.
+    /// Camera or lights moved, and the frame had to keep to the time budget.
     Moving,
-    /// Nothing moved, and the frame took the time that it needed.
+    /// Nothing moved, and the frame had no time limit.
     AtRest,
 }
 
-/// A frame on the device, ready to be presented.
+/// Frame on the device, ready to be presented.
 #[derive(Clone)]
 pub struct RenderedFrame {
-    /// The picture, and the one right of the split.
+    /// Pictures left and right of the split.
     pub images: [Arc<Image>; 2],
-    /// Pixels drawn of each.
+    /// Drawn size of each \[pixels\].
     pub sizes: [[u32; 2]; 2],
-    /// How much of the work was done.
+    /// Resolution and detail of the frame.
     pub quality: Quality,
-    /// Time on the device \[ms\]; 0 when only the display changed.
+    /// Time on the device \[ms\]; 0 if only the display changed.
     pub gpu_ms: f64,
     /// Elapsed time \[ms\].
     pub wall_ms: f64,
-    /// Whether it is the first frame of its painter, which includes one-off work of the driver.
+    /// True for the first frame of its renderer, which includes one-off work of the driver.
     pub first: bool,
-    /// State of the scene for which it was drawn.
+    /// Motion of the scene.
     pub pace: Pace,
-    /// Samples that it is the mean of.
+    /// Number of samples in the mean.
     pub samples: u32,
     /// Cost of the whole picture, if it was counted.
     pub cost: Option<PictureCost>,
-    /// The exposure \[stops\], where it was measured.
+    /// Exposure \[stops\], if it was measured.
     pub exposure: Option<f64>,
-    /// The hemisphere, if it was asked for.
+    /// Hemisphere inset, if it was requested.
     pub inset: Option<Arc<Inset>>,
-    /// How far the two pictures are apart, where their difference is shown.
+    /// Difference of the two pictures, if it is shown.
     pub difference: Option<f64>,
-    /// [`Prepared::number`] of the setting shown.
+    /// [`Prepared::number`] of the displayed setting.
     pub number: u64,
 }
 
@@ -144,7 +144,7 @@ pub(super) mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// A frame of the plate in its pigment.
+    /// Returns a request for a frame of the plate in its pigment.
     pub fn request() -> FrameRequest {
         let (settings, scene) = crate::viewer::settings_of_a_plate();
         FrameRequest {

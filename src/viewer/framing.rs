@@ -1,21 +1,22 @@
-//! Cameras that show all of a scene, whatever the shape of the picture.
+//! Cameras that show all of a scene for any aspect ratio of the picture.
 
 use crate::scene::{Bounds, Camera, Mesh};
 use glam::Vec3;
 
-/// Width over height of the pictures that scenes are composed for.
+/// Aspect ratio, width and height, that scenes are composed for.
 const USUAL: [u32; 2] = [4, 3];
-/// Part of the picture that a framed mesh fills.
+/// Fraction of the picture that a framed mesh fills.
 const FILLED: f32 = 0.95;
 
-/// `camera` from the same side, aimed at the middle of `meshes` and so far away that a picture of `size` pixels shows all of it.
+/// Aims `camera` at the centre of `meshes` without changing its direction, at a distance where a picture of `size`
+/// pixels shows all of them.
 pub fn whole(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
     let aimed = Camera { target: Bounds::around(meshes).centre, ..camera };
     Camera { distance: distance(&aimed, meshes, size, FILLED), ..aimed }
 }
 
-/// A scene's own `camera`, moved back if a picture of `size` pixels would cut off `meshes` that usual pictures show whole. Scenes that
-/// show a part of them are meant so.
+/// Moves the `camera` of a scene back if a picture of `size` pixels would cut off `meshes` that fit into a picture of
+/// the usual shape. A scene that cuts them off there does so by intention and is unchanged.
 pub fn of_scene(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
     let shows_all = |size| distance(&camera, meshes, size, 1.0) <= camera.distance;
     if shows_all(size) || !shows_all(USUAL) {
@@ -24,7 +25,8 @@ pub fn of_scene(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
     Camera { distance: distance(&camera, meshes, size, FILLED), ..camera }
 }
 
-/// Least distance from the target at which `camera` sees `meshes` within the part `filled` of a picture of `size`.
+/// Returns the smallest distance from the target at which `camera` sees `meshes` within the fraction `filled` of a
+/// picture of `size`.
 fn distance(camera: &Camera, meshes: &[&Mesh], size: [u32; 2], filled: f32) -> f32 {
     let [width, height] = size.map(|n| n.max(1) as f32);
     let tangent = (camera.field_of_view / 2.0).tan() * filled;
@@ -45,7 +47,7 @@ mod tests {
     use crate::scene::Scene;
     use crate::scene::scene_file::BUILT_IN;
 
-    /// The largest of |x| and |y| of the mesh in clip space: 1 at the edge of the picture.
+    /// Returns the largest |x| or |y| of the mesh in clip space: 1 at the edge of the picture.
     fn reach(camera: &Camera, mesh: &Mesh, size: [u32; 2]) -> f32 {
         let bounds = mesh.bounds();
         let clip = camera.clip_from_world(size, bounds.centre, bounds.radius);
@@ -61,7 +63,7 @@ mod tests {
                 for (theta, phi) in [(0.3, 0.0), (1.2, 2.0), (2.6, 4.0)] {
                     let away = Camera { target: Vec3::splat(7.0), distance: 0.1, theta, phi, ..scene.camera };
                     let framed = whole(away, &scene.standing(), size);
-                    let reach = reach(&framed, &scene.mesh, size);
+                    let reach = reach(&framed, &scene.main_object().mesh, size);
                     assert!((0.6..=FILLED + 1e-3).contains(&reach), "{name} {size:?}: {reach}");
                     assert_eq!((framed.theta, framed.phi), (theta, phi));
                 }
@@ -74,7 +76,7 @@ mod tests {
         let text = include_str!("../../assets/scenes/objects.toml");
         let scene = Scene::parse(text, std::path::Path::new("")).unwrap();
         let meshes = scene.standing();
-        assert_eq!((meshes.len(), scene.objects.len()), (3, 3));
+        assert_eq!((meshes.len(), scene.objects.len()), (3, 4));
         assert_eq!(of_scene(scene.camera, &meshes, USUAL), scene.camera);
         for size in [[640, 480], [300, 900]] {
             let framed = [whole(scene.camera, &meshes, size), of_scene(scene.camera, &meshes, size)];
@@ -91,10 +93,10 @@ mod tests {
             let scene = Scene::open(name).unwrap();
             let of_size = |size| of_scene(scene.camera, &scene.standing(), size);
             assert_eq!(of_size(USUAL), scene.camera, "{name}");
-            let composed = reach(&scene.camera, &scene.mesh, USUAL) <= 1.0;
+            let composed = reach(&scene.camera, &scene.main_object().mesh, USUAL) <= 1.0;
             let narrow = of_size([300, 900]);
             if composed {
-                let reach = reach(&narrow, &scene.mesh, [300, 900]);
+                let reach = reach(&narrow, &scene.main_object().mesh, [300, 900]);
                 assert!(reach <= FILLED + 1e-3, "{name}: {reach}");
             } else {
                 assert_eq!(narrow, scene.camera, "{name} shows a part");

@@ -1,4 +1,4 @@
-//! The graph of frame times.
+//! Graph of frame times.
 
 use super::frame::Pace;
 use super::style;
@@ -8,14 +8,14 @@ use std::collections::VecDeque;
 
 /// Number of frames in the graph.
 const FRAMES: usize = 120;
-/// Frame times of the thesis' shader on the GPU of its day \[ms\], from 15 to 5 frames a second.
+/// Frame times of the thesis' shader on a GPU of its time \[ms\], from 15 to 5 frames a second.
 const THESIS: [f64; 2] = [1e3 / 15.0, 1e3 / 5.0];
-/// Strength of the bars of frames at rest, which keep to no budget.
+/// Opacity of the bars of frames at rest, which have no time budget.
 const AT_REST: f32 = 0.45;
 /// Ends of the logarithmic axis \[ms\].
 const AXIS: [f64; 2] = [4.0, 20_000.0];
 
-/// The times of the most recent frames.
+/// Times of the most recent frames.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     frames: VecDeque<(f64, Pace)>,
@@ -38,7 +38,7 @@ impl History {
     }
 }
 
-/// Position of `milliseconds` on the axis, 0 … 1 from the bottom.
+/// Returns the position of `milliseconds` on the axis, 0 … 1 from the bottom.
 fn height(milliseconds: f64) -> f32 {
     let [low, high] = AXIS.map(f64::ln);
     (((milliseconds.max(1e-9).ln() - low) / (high - low)) as f32).clamp(0.0, 1.0)
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, history: &History, budget: f64) {
     const HEIGHT: f32 = 68.0;
     let (whole, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), egui::Sense::hover());
     let painter = ui.painter_at(whole);
-    // Room for the labels of the axis.
+    // Space for the labels of the axis.
     let rect = Rect::from_min_max(whole.min + vec2(40.0, 0.0), whole.max);
     painter.rect_filled(rect, 3.0, style::WELL);
     let y = |ms: f64| rect.bottom() - height(ms) * rect.height();
@@ -77,7 +77,7 @@ pub fn show(ui: &mut Ui, history: &History, budget: f64) {
     ui.label(egui::RichText::new(caption).size(10.0).color(style::BAND_TEXT));
 }
 
-/// Green above the thesis' frame rates, amber within, red below.
+/// Returns green above the thesis' frame rates, amber within and red below.
 fn color(milliseconds: f64) -> Color32 {
     match milliseconds {
         ms if ms < THESIS[0] => style::GOOD,

@@ -15,7 +15,7 @@ use gpu_allocator::MemoryLocation;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What egui wants drawn.
+/// Output of egui for one frame.
 pub struct PaintJobs {
     /// Triangles.
     pub primitives: Vec<ClippedPrimitive>,
@@ -28,17 +28,17 @@ pub struct PaintJobs {
 /// Draws egui to images of one format.
 pub struct Gui {
     renderer: Renderer<Memory>,
-    // By egui's id, each with the renderer's id of its descriptor set.
+    // By egui's id: the renderer's id of the descriptor set, and the atlas.
     atlases: HashMap<TextureId, (TextureId, Atlas)>,
     sampler: Sampler,
     device: Arc<Device>,
 }
 
 impl Gui {
-    /// For images of `format` and `frames` frames in flight.
+    /// Makes a renderer for images of `format` and `frames` frames in flight.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, format: vk::Format, frames: usize) -> Result<Self> {
         let mode = RenderMode::DynamicRendering(DynamicRendering {
             color_attachment_format: format,
@@ -56,7 +56,7 @@ impl Gui {
     /// Records the texture changes; must come before rendering begins. `resources` belongs to the frame.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn upload(
         &mut self,
         record: &Recorder<'_>,
@@ -72,7 +72,7 @@ impl Gui {
         Ok(())
     }
 
-    /// The atlas that `delta` changes; a new one if `delta` is a whole texture of another size.
+    /// Returns the atlas that `delta` changes, or a new one if `delta` is a whole texture of another size.
     fn atlas(
         &mut self,
         id: TextureId,
@@ -90,7 +90,7 @@ impl Gui {
         self.atlases.get_mut(&id).map(|(_, atlas)| atlas).ok_or_else(misplaced)
     }
 
-    /// Removes a texture, which the device may still be reading.
+    /// Removes a texture that the device may still read.
     fn remove(&mut self, id: TextureId, resources: &mut FrameResources) {
         if let Some((name, atlas)) = self.atlases.remove(&id) {
             self.renderer.remove_user_texture(name);
@@ -98,10 +98,10 @@ impl Gui {
         }
     }
 
-    /// Records the drawing within rendering to an image of `size`, and frees the textures that are not needed any more.
+    /// Records the drawing within rendering to an image of `size`, and frees the textures that are no longer needed.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn draw(
         &mut self,
         draw: &Recorder<'_>,
@@ -143,7 +143,7 @@ fn no_room(e: Error) -> RendererError {
 }
 
 impl Allocator for Memory {
-    // Frees itself.
+    // Freed on drop.
     type Allocation = Buffer;
 
     fn create_buffer(

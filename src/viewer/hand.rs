@@ -1,4 +1,4 @@
-//! For tests: drives the panel without a window or a device, as a hand does.
+//! For tests: drives the panel by input events, without a window or a device.
 
 use super::frame::LoadedScene;
 use super::inset::Inset;
@@ -9,16 +9,16 @@ use egui::{Context, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, 
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// Points of a turn of the wheel, and turns from the top of the longest list to its bottom.
+/// Points per turn of the wheel, and turns from the top of the longest list to its bottom.
 const TURN: f32 = 90.0;
 const MOST_TURNS: usize = 14;
 
-/// A text on the window.
+/// Text in the window.
 #[derive(Clone, Debug)]
 pub struct Text {
     pub text: String,
     pub rect: Rect,
-    // What of `rect` is not cut off.
+    // Part of `rect` that is not cut off.
     pub seen: Rect,
 }
 
@@ -28,11 +28,11 @@ impl Text {
     }
 }
 
-/// A window of the viewer that shows a plate, and a hand on it.
+/// Window of the viewer that shows a plate, driven by input events.
 pub struct Hand {
     pub model: Model,
     pub picture: Rect,
-    /// A hemisphere, which comes from a device otherwise.
+    /// Hemisphere inset, which otherwise comes from a device.
     pub inset: Option<Inset>,
     context: Context,
     size: Vec2,
@@ -42,7 +42,7 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// In a window of `size` points at `scale` pixels a point.
+    /// Makes a window of `size` points at `scale` pixels per point.
     pub fn new(size: [f32; 2], scale: f32) -> Self {
         let (settings, scene) = settings();
         let loaded = Arc::new(LoadedScene::of(scene).unwrap());
@@ -66,7 +66,7 @@ impl Hand {
         &self.context
     }
 
-    /// Lets the window answer `events`.
+    /// Runs a pass of the window with `events`.
     pub fn pass(&mut self, events: Vec<Event>) {
         self.time += 0.05;
         let mut input = RawInput {
@@ -95,35 +95,35 @@ impl Hand {
         output.drop_without_applying_deltas();
     }
 
-    /// Lets the window come to rest.
+    /// Runs passes until the window is at rest.
     pub fn rest(&mut self) {
         (0..6).for_each(|_| self.pass(Vec::new()));
     }
 
-    /// The texts called `text` of which something can be seen.
+    /// Returns the texts equal to `text` that are at least partly visible.
     pub fn all(&self, text: &str) -> Vec<Text> {
         let is = |t: &&Text| t.text == text && t.seen.is_positive();
         self.texts.iter().filter(is).cloned().collect()
     }
 
-    /// Whether `text` can be read, all of it.
+    /// Returns true if `text` is visible as a whole.
     pub fn reads(&self, text: &str) -> bool {
         self.all(text).iter().any(Text::is_whole)
     }
 
-    /// Whether a text contains `part`.
+    /// Returns true if a visible text contains `part`.
     pub fn says(&self, part: &str) -> bool {
         self.texts.iter().any(|t| t.text.contains(part) && t.seen.is_positive())
     }
 
-    /// Where `text` stands.
+    /// Returns the position of `text`.
     #[track_caller]
     pub fn find(&self, text: &str) -> Pos2 {
         let found = self.all(text);
         found.first().unwrap_or_else(|| panic!("no `{text}` in {:#?}", self.texts)).rect.center()
     }
 
-    /// Moves the pointer and waits until a tip would be shown.
+    /// Moves the pointer and waits until a tooltip would be shown.
     pub fn point(&mut self, at: Pos2) {
         self.pass(vec![Event::PointerMoved(at)]);
         self.rest();
@@ -161,7 +161,7 @@ impl Hand {
             pressed,
             modifiers: Modifiers::NONE,
         };
-        // Long after any click before, so that it is no triple click.
+        // Long after any previous click, so that it is no triple click.
         self.time += 1.0;
         self.pass(vec![Event::PointerMoved(at)]);
         for pressed in [true, false, true, false] {
@@ -176,7 +176,7 @@ impl Hand {
         self.rest();
     }
 
-    /// Presses what is called `text`.
+    /// Clicks on `text`.
     #[track_caller]
     pub fn press(&mut self, text: &str) {
         let at = self.find(text);
@@ -208,7 +208,7 @@ impl Hand {
         self.rest();
     }
 
-    /// The texts that can be read, all of each, while the wheel is turned at a point from the top to the bottom.
+    /// Turns the wheel at a point from the top to the bottom. Returns the texts that are visible as a whole on the way.
     pub fn sweep(&mut self, at: Pos2) -> HashSet<String> {
         self.wheel(at, -1e4);
         let mut seen = HashSet::new();
@@ -220,7 +220,7 @@ impl Hand {
         seen
     }
 
-    /// Turns the wheel at a point until `text` can be read.
+    /// Turns the wheel at a point until `text` is visible as a whole.
     #[track_caller]
     pub fn scroll_to(&mut self, text: &str, at: Pos2) {
         self.wheel(at, -1e4);

@@ -1,4 +1,5 @@
-//! The BRDF of a light over the hemisphere, beside the picture: the light can be dragged, directions can be read, and its corner makes it larger.
+//! Inset of the BRDF of a light over the hemisphere. The light can be dragged, directions can be read, and the corner
+//! resizes the inset.
 
 use super::inset::Inset;
 use super::model::Model;
@@ -8,17 +9,17 @@ use crate::scene::{Emitter, FarLight};
 use egui::{Align2, Color32, CursorIcon, FontId, Mesh, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use glam::Vec2;
 
-/// Distance to the edge of the picture, and of the disc to the edge of its ground \[points\].
+/// Distance to the edge of the picture, and from the disc to the edge of its background \[points\].
 const MARGIN: f32 = 12.0;
 const PADDING: f32 = 8.0;
 /// Height of the line below the disc \[points\].
 const CAPTION: f32 = 20.0;
-/// Least side of the disc \[points\].
+/// Smallest side of the disc \[points\].
 const LEAST: f32 = 100.0;
-/// Side from which on circles of equal θ are named \[points\].
+/// Side from which circles of equal θ are labelled \[points\].
 const NAMED: f32 = 240.0;
 
-/// The disc: directions seen from above, x to the right and y up.
+/// Disc of directions seen from above, x to the right and y up.
 #[derive(Clone, Copy)]
 struct Disc {
     centre: Pos2,
@@ -26,23 +27,24 @@ struct Disc {
 }
 
 impl Disc {
-    /// Where the direction whose horizontal part is `flat` stands.
+    /// Returns the position of the direction with the horizontal part `flat`.
     fn place(&self, flat: Vec2) -> Pos2 {
         self.centre + vec2(flat.x, -flat.y) * self.radius
     }
 
-    /// The horizontal part of the direction at `at`, which may be beyond the horizon.
+    /// Returns the horizontal part of the direction at `at`, which may be beyond the horizon.
     fn flat(&self, at: Pos2) -> Vec2 {
         let from_centre = (at - self.centre) / self.radius;
         Vec2::new(from_centre.x, -from_centre.y)
     }
 }
 
-/// θ and φ \[degrees\] of the direction whose horizontal part is `flat`, to a tenth; on the horizon for one beyond it.
+/// Returns θ and φ \[degrees\] of the direction with the horizontal part `flat`, to a tenth; directions beyond the
+/// horizon are moved to it.
 fn angles(flat: Vec2) -> [f64; 2] {
     let theta = f64::from(flat.length().min(1.0).asin().to_degrees());
     let phi = if flat == Vec2::ZERO { 0.0 } else { f64::from(flat.to_angle().to_degrees()) };
-    // Adding zero makes −0 a 0.
+    // Adding 0 turns −0 into 0.
     [theta, phi].map(|angle| (angle * 10.0).round() / 10.0 + 0.0)
 }
 
@@ -56,7 +58,7 @@ pub fn show(ui: &Ui, rect: Rect, inset: &Inset, model: &mut Model) {
     );
     let disc = Disc { centre: ground.min + vec2(1.0, 1.0) * (PADDING + 0.5 * side), radius: 0.5 * side };
     let painter = ui.painter_at(rect);
-    // Drags on it do not turn the camera.
+    // Keeps drags on the inset from turning the camera.
     let whole = ui.interact(ground, ui.id().with("hemisphere"), Sense::click_and_drag());
     draw(&painter, ground, disc, inset);
     if let Some(seen) = model.inspector.light().map(|light| light.pair.view) {
@@ -79,7 +81,8 @@ pub fn show(ui: &Ui, rect: Rect, inset: &Inset, model: &mut Model) {
     corner(ui, &painter, ground, model);
 }
 
-/// The horizontal part of the direction in which the light that is shown goes from the frequency that the surface pane points at.
+/// Returns the horizontal part of the direction to which the frequency under the pointer in the surface pane diffracts
+/// the displayed light.
 fn pointed_at(inset: &Inset, model: &Model) -> Option<Vec2> {
     let frequency = model.surface_pane.pointed_frequency()?;
     let light = inset.request.light.direction().truncate().as_dvec2();
@@ -87,7 +90,7 @@ fn pointed_at(inset: &Inset, model: &Model) -> Option<Vec2> {
     Some(toward.as_vec2())
 }
 
-/// The disc as a mesh of coloured squares, which needs no texture upload when it changes.
+/// Draws the disc as a mesh of coloured squares, which needs no texture upload when it changes.
 fn draw(painter: &Painter, ground: Rect, disc: Disc, inset: &Inset) {
     painter.rect_filled(ground, 6.0, style::GLASS);
     let Disc { centre, radius } = disc;
@@ -114,16 +117,16 @@ fn draw(painter: &Painter, ground: Rect, disc: Disc, inset: &Inset) {
     }
 }
 
-/// Draws the light and its specular direction, and lets the light be dragged where it is one of the scene's.
+/// Draws the light and its specular direction. The light can be dragged if it is one of the scene's.
 fn light(ui: &Ui, painter: &Painter, disc: Disc, inset: &Inset, model: &mut Model) {
-    /// What can be grabbed around the light \[points\].
+    /// Distance from the light at which it can be grabbed \[points\].
     const REACH: f32 = 9.0;
     let toward = inset.request.light.direction().truncate();
     let (at, specular) = (disc.place(toward), disc.place(-toward));
     painter.circle_filled(at, 3.5, Color32::from_rgb(255, 236, 170));
     painter.circle_stroke(at, 4.5, Stroke::new(1.0, Color32::BLACK));
     painter.circle_stroke(specular, 4.0, Stroke::new(1.0, Color32::from_gray(200)));
-    // The light of an inspected pixel stands in the pixel's own frame.
+    // The light of an inspected pixel is given in the pixel's tangent frame.
     let is_inspected = model.inspector.light().is_some();
     let first = model.settings.lights.first_mut().filter(|_| !is_inspected);
     let Some(Emitter::Far(first)) = first.map(|light| &mut light.emitter) else { return };
@@ -135,14 +138,14 @@ fn light(ui: &Ui, painter: &Painter, disc: Disc, inset: &Inset, model: &mut Mode
     }
     if let Some(to) = handle.interact_pointer_pos().filter(|_| handle.dragged()) {
         let [theta, phi] = angles(disc.flat(to));
-        // Just above the horizon, where light still reaches a plane.
+        // Just above the horizon, so that light still reaches a plane.
         *first = FarLight { theta: theta.min(89.0), phi, ..*first };
     }
 }
 
-/// The corner by which the hemisphere is made larger; a double click makes it large or small.
+/// Shows the corner that resizes the hemisphere; a double click switches between small and large.
 fn corner(ui: &Ui, painter: &Painter, ground: Rect, model: &mut Model) {
-    /// Side of what can be grabbed, and of what a double click leads to \[points\].
+    /// Side of the corner, and sides that a double click switches between \[points\].
     const GRIP: f32 = 14.0;
     const SIDES: [f32; 2] = [132.0, 420.0];
     let grip = Rect::from_min_max(ground.max - vec2(GRIP, GRIP), ground.max);
@@ -202,7 +205,7 @@ mod tests {
             let [t, p] = angles(disc.flat(disc.place(flat)));
             assert!((t - theta).abs() < 0.06 && (p - phi).abs().rem_euclid(360.0) < 0.06, "{t} {p}");
         }
-        // y points up, and beyond the horizon is the horizon.
+        // y points up, and positions beyond the horizon are moved to it.
         assert_eq!(angles(disc.flat(pos2(100.0, 10.0))), [90.0, 90.0]);
     }
 }

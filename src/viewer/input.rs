@@ -7,7 +7,7 @@ use super::orbit::{self, Drag};
 use egui::{Key, Modifiers, MouseWheelUnit, PointerButton, Rect, Sense, Ui};
 use glam::Vec2;
 
-/// Every gesture of the pointer with its meaning.
+/// All pointer gestures with their meanings.
 const GESTURES: [(&str, &str); 9] = [
     ("left drag", "orbit"),
     ("wheel", "zoom"),
@@ -20,7 +20,7 @@ const GESTURES: [(&str, &str); 9] = [
     ("Esc", "close a list, this list, the window"),
 ];
 
-/// Every key and gesture with its meaning, as F1 lists them.
+/// Iterates over all keys and gestures with their meanings, as F1 lists them.
 pub fn list() -> impl Iterator<Item = (String, &'static str)> {
     let gestures = GESTURES.iter().map(|(gesture, what)| ((*gesture).to_owned(), *what));
     let commands = COMMANDS.iter().filter(|command| !command.shortcuts.is_empty());
@@ -37,13 +37,13 @@ pub fn keys(ui: &Ui, model: &mut Model) {
     for command in pressed {
         (command.run)(model);
     }
-    // An open list and an edited text close themselves.
+    // An open list and an edited text close by themselves.
     if ui.input(|i| i.key_pressed(Key::Escape)) && !egui::Popup::is_any_open(ui.ctx()) {
         close_innermost(model);
     }
 }
 
-/// Closes what lies on top, at last the window.
+/// Closes the topmost pane, or the window if none is open.
 fn close_innermost(model: &mut Model) {
     if model.visible.help {
         model.visible.help = false;
@@ -58,7 +58,7 @@ fn close_innermost(model: &mut Model) {
     }
 }
 
-/// Applies the pointer over the picture in `rect` to `model`, where it is within `touched`.
+/// Applies pointer input on the picture in `rect` to `model`, within `touched`.
 pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
     let picture = ui.interact(touched, ui.id().with("picture"), Sense::click_and_drag());
     if picture.double_clicked()
@@ -98,9 +98,9 @@ pub fn pointer(ui: &mut Ui, touched: Rect, rect: Rect, model: &mut Model) {
     }
 }
 
-/// Lets the inspector follow the pointer over the picture in `rect`, and a click hold its pixel.
+/// Lets the inspector follow the pointer over the picture in `rect`; a click pins its pixel.
 fn inspect(ui: &Ui, picture: &egui::Response, rect: Rect, model: &mut Model) {
-    /// A click so near a held pixel lets it go [points].
+    /// Distance from the pinned pixel at which a click releases it [points].
     const REACH: f32 = 6.0;
     let scale = ui.ctx().pixels_per_point();
     let pixel = |at: egui::Pos2| {
@@ -114,12 +114,12 @@ fn inspect(ui: &Ui, picture: &egui::Response, rect: Rect, model: &mut Model) {
     }
 }
 
-/// Steps that the wheel has turned since the last pass. The toolkit's smoothed scrolling would go on after the hand has stopped, so that a
-/// picture saved then is not the one that is shown at last.
+/// Returns the wheel steps since the last pass. The toolkit's smoothed scrolling would continue after the last event,
+/// so that a picture saved in between differs from the final one.
 fn wheel_steps(input: &egui::InputState) -> f32 {
-    /// Points of a touchpad per step of a wheel, as the toolkit counts them.
+    /// Points of a touchpad per step of a wheel, as defined by the toolkit.
     const STEP: f32 = 40.0;
-    /// Steps of a page.
+    /// Steps per page.
     const PAGE: f32 = 10.0;
     let steps = input.events.iter().map(|event| match event {
         egui::Event::MouseWheel { unit, delta, .. } => match unit {
@@ -132,7 +132,7 @@ fn wheel_steps(input: &egui::InputState) -> f32 {
     steps.sum()
 }
 
-/// The kind of a drag over the picture.
+/// Returns the kind of a drag over the picture.
 fn drag(picture: &egui::Response, modifiers: Modifiers) -> Option<Drag> {
     let by = |button| picture.dragged_by(button);
     if by(PointerButton::Secondary) && modifiers.shift {
@@ -146,7 +146,7 @@ fn drag(picture: &egui::Response, modifiers: Modifiers) -> Option<Drag> {
     }
 }
 
-/// Lets the split between the two pictures be dragged.
+/// Handles drags of the split between the two pictures.
 fn split(ui: &mut Ui, rect: Rect, model: &mut Model) {
     /// Distance from the line at which it can be grabbed [points].
     const REACH: f32 = 7.0;

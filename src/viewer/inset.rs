@@ -1,23 +1,23 @@
-//! The BRDF of one light over the hemisphere, as a small live picture.
+//! Inset of the BRDF of one light over the hemisphere.
 
 use crate::error::Result;
 use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
 use crate::render::evaluator::Query;
-use crate::render::picture::Painter;
+use crate::render::renderer::Renderer;
 use crate::scene::FarLight;
 use glam::DVec3;
 
-/// Points along a side while it is small or something moves, and of a large one.
+/// Points along a side of a small or moving inset, and of a large one.
 const SIDE: usize = 72;
 const FINE_SIDE: usize = 180;
 
-/// The hemisphere that is asked for.
+/// Requested hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InsetRequest {
-    /// The light.
+    /// Light.
     pub light: FarLight,
-    /// Whether it is large and at rest.
+    /// True if it is large and at rest.
     pub fine: bool,
 }
 
@@ -27,10 +27,10 @@ impl InsetRequest {
     }
 }
 
-/// The BRDF of a flat piece of the surface toward every direction, seen from above, as `diffract brdf` maps it.
+/// BRDF of a flat piece of the surface toward every direction, seen from above, as mapped by `diffract brdf`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inset {
-    /// What was asked for.
+    /// Request.
     pub request: InsetRequest,
     /// Points along a side.
     pub side: usize,
@@ -38,7 +38,7 @@ pub struct Inset {
     pub points: Vec<Option<[u8; 3]>>,
 }
 
-/// ω_r of point `index` of `side` points along a side; `None` outside the disc.
+/// Returns ω_r of point `index` of `side` points along a side; `None` outside the disc.
 fn view(index: usize, side: usize) -> Option<DVec3> {
     let centre = |i: usize| 2.0 * (i as f64 + 0.5) / side as f64 - 1.0;
     let (x, y) = (centre(index % side), -centre(index / side));
@@ -46,18 +46,19 @@ fn view(index: usize, side: usize) -> Option<DVec3> {
     (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
 }
 
-/// Evaluates the BRDF for the light of `request` with the texture of `painter`. The 97th percentile of brightness is exposed to white.
+/// Evaluates the BRDF for the light of `request` with the source of `renderer`. The 97th percentile of brightness is
+/// displayed as white.
 ///
 /// # Errors
-/// Where the device is lost.
-pub fn hemisphere(painter: &mut Painter, request: InsetRequest) -> Result<Inset> {
+/// Fails if the device is lost.
+pub fn hemisphere(renderer: &mut Renderer, request: InsetRequest) -> Result<Inset> {
     let (light, side) = (request.light, request.side());
     let toward = direction(light.theta.min(89.9), light.phi);
     let views: Vec<Option<DVec3>> = (0..side * side).map(|index| view(index, side)).collect();
     let query = |&view: &DVec3| Query { pair: Pair::new(toward, view), wavelength: None };
     let queries: Vec<Query> = views.iter().flatten().map(query).collect();
     let rgb: Vec<DVec3> =
-        painter.cosine_weighted(&queries)?.into_iter().map(color::xyz_to_linear_srgb).collect();
+        renderer.cosine_weighted(&queries)?.into_iter().map(color::xyz_to_linear_srgb).collect();
     let mut brightness: Vec<f64> = rgb.iter().map(|c| c.max_element()).collect();
     brightness.sort_by(f64::total_cmp);
     let white = brightness.get(brightness.len() * 97 / 100).copied().unwrap_or(1.0).max(1e-12);

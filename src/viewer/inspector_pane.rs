@@ -1,4 +1,4 @@
-//! The pane of the inspector: the numbers of a pixel, and its spectrum.
+//! Pane of the inspector: the numbers of a pixel and its spectrum.
 
 use super::inspector::reading::{LightAt, Reading};
 use super::inspector::reference::{Answer, LightAnswer, WAVELENGTHS, wavelength};
@@ -13,11 +13,11 @@ use egui::{
 };
 use glam::DVec3;
 
-/// Width of what the pane holds [points].
+/// Width of the pane's contents [points].
 const WIDTH: f32 = 264.0;
 /// Height of the spectrum [points].
 const PLOT: f32 = 84.0;
-/// Width of the name of a wavelength below it [points].
+/// Width of a wavelength label below the spectrum [points].
 const NAME: f32 = 38.0;
 /// Wavelengths whose periods are listed \[µm\].
 const LISTED: [f64; 3] = [0.45, 0.55, 0.65];
@@ -47,7 +47,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
     }
 }
 
-/// Marks the pixel that a click holds, in the picture in `rect`.
+/// Marks the pinned pixel in the picture in `rect`.
 pub fn mark(painter: &Painter, rect: Rect, scale: f32, model: &Model) {
     let inspector = &model.inspector;
     if let Some([x, y]) = inspector.at.filter(|_| inspector.open && inspector.pinned) {
@@ -139,7 +139,7 @@ fn colours(ui: &mut Ui, reading: &Reading, answer: Option<&Answer>, of_light: Op
     }
 }
 
-/// The relative difference of `shown` from `exact`.
+/// Returns the relative difference of `shown` from `exact` as text.
 fn error(shown: DVec3, exact: DVec3) -> String {
     let relative = (shown - exact).length() / exact.length();
     if relative.is_finite() {
@@ -149,7 +149,7 @@ fn error(shown: DVec3, exact: DVec3) -> String {
     }
 }
 
-/// Three digits of `x`.
+/// Formats `x` with three significant digits.
 fn digits(x: f64) -> String {
     match x.abs() {
         a if a == 0.0 || (1e-3..1e4).contains(&a) => {
@@ -160,7 +160,7 @@ fn digits(x: f64) -> String {
     }
 }
 
-/// A length of `micrometres`.
+/// Formats a length of `micrometres`.
 fn length(micrometres: f64) -> String {
     match micrometres {
         l if l < 1.0 => format!("{:.0} nm", l * 1e3),
@@ -199,7 +199,7 @@ fn spectrum(ui: &mut Ui, values: &[f64]) {
     painter.text(whole.left_top(), Align2::LEFT_TOP, caption, small.clone(), style::FAINT);
     for nanometres in [400, 500, 600, 700] {
         let across = (f64::from(nanometres) / 1e3 - SHORTEST) / (LONGEST - SHORTEST);
-        // The first name would begin beyond the edge.
+        // The first label would begin outside the edge.
         let x = (across as f32 * rect.width()).max(0.5 * NAME);
         let at = pos2(rect.left() + x, whole.bottom());
         let name = format!("{nanometres} nm");
@@ -208,7 +208,7 @@ fn spectrum(ui: &mut Ui, values: &[f64]) {
     response.on_hover_text(rows::SPECTRUM.tip);
 }
 
-/// A dim colour that stands for light of `wavelength` \[µm\].
+/// Returns a dim colour for light of `wavelength` \[µm\].
 fn color_of(wavelength: f64) -> Color32 {
     let rgb = xyz_to_linear_srgb(observer(wavelength * 1e3)).max(DVec3::ZERO);
     let [r, g, b] = display(rgb * 0.35, 0.0);

@@ -1,4 +1,4 @@
-//! Messages to and from the render thread: the newest frame request, jobs in order, and the replies.
+//! Messages to and from the render thread: the newest frame request, the jobs in order, and the replies.
 
 use super::compare::Side;
 use super::error_probe::ProbeTask;
@@ -6,7 +6,7 @@ use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -18,63 +18,63 @@ pub enum Job {
     Samples(FrameRequest),
 }
 
-/// A pixel to read back from a frame that is on the device.
+/// Pixel to read back from a frame on the device.
 pub struct PixelRequest {
-    /// A number larger than that of any request before.
+    /// Number, larger than that of any earlier request.
     pub number: u64,
-    /// The frame.
+    /// Frame.
     pub frame: FrameRequest,
     /// Column and row from the upper left.
     pub at: [u32; 2],
 }
 
-/// What the render thread reports.
+/// Reply of the render thread.
 pub enum RenderReply {
     /// A frame is on the device.
     Drawn(Box<RenderedFrame>),
-    /// This part of a picture is drawn.
+    /// Fraction of a picture that is drawn.
     Drawing(Side, f32),
-    /// A frame of a moving scene was abandoned after this many milliseconds.
+    /// A frame of a moving scene was abandoned after this time \[ms\].
     TooSlow(Quality, f64),
-    /// The device has no memory for the spectra of moving pictures.
+    /// The device is out of memory for the spectra of moving pictures.
     NoRoom(Detail),
-    /// The picture of [`Job::Picture`], and how far scalar theory holds for its surface; or why there is none.
+    /// Picture of [`Job::Picture`] with a description of the errors of scalar theory for its surface, or an error.
     Picture(Result<(Box<Picture>, String)>),
-    /// The pixels of [`Job::Samples`].
+    /// Pixels of [`Job::Samples`].
     Samples(Box<ProbeTask>),
-    /// What a pixel shows; `None` where the mesh does not cover it.
+    /// Data of a pixel; `None` if no object covers it.
     Pixel(Option<Box<Reading>>),
     /// A request or a job failed.
     Failed(Error),
 }
 
-/// What the render thread has yet to do.
+/// Pending work of the render thread.
 #[derive(Default)]
 pub struct Pending {
-    /// The newest frame request.
+    /// Newest frame request.
     pub frame: Option<FrameRequest>,
-    /// The newest request for a pixel, which comes after the frame.
+    /// Newest request for a pixel, handled after the frame.
     pub pixel: Option<PixelRequest>,
-    /// A frame that is shown, to which samples are added while there is nothing else to do.
+    /// Displayed frame to which samples are added when there is no other work.
     pub refined: Option<FrameRequest>,
-    /// Jobs, the oldest first.
+    /// Jobs, oldest first.
     pub jobs: Vec<Job>,
-    /// Whether the thread is to end.
+    /// True if the thread is to end.
     pub stop: bool,
-    /// Whether the window has something to show, which goes before the next tile.
+    /// True if the window has something to show, which goes before the next tile.
     pub window_first: bool,
 }
 
 /// Longest wait for the window, which may be hidden.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
-/// The next thing to do.
+/// Next task of the render thread.
 pub enum Task {
     /// Draw a frame.
     Frame(FrameRequest),
     /// Read a pixel.
     Pixel(PixelRequest),
-    /// Add a sample to a frame that is shown.
+    /// Add samples to a displayed frame.
     Refine(FrameRequest),
     /// Do a job.
     Job(Job),
@@ -88,7 +88,7 @@ pub struct JobQueue {
 }
 
 impl JobQueue {
-    /// The pending work, locked.
+    /// Locks and returns the pending work.
     pub fn pending(&self) -> MutexGuard<'_, Pending> {
         self.pending.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -99,7 +99,7 @@ impl JobQueue {
         self.changed.notify_one();
     }
 
-    /// Puts back `request`, which was given up, where it was given up for a job and not for a newer request.
+    /// Puts back `request` if it was abandoned for a job rather than for a newer request.
     pub fn resume(&self, request: FrameRequest) {
         let mut pending = self.pending();
         if !pending.jobs.is_empty() {
@@ -107,7 +107,7 @@ impl JobQueue {
         }
     }
 
-    /// Adds samples to `request`, which is shown, while there is nothing else to do.
+    /// Adds samples to the displayed `request` when there is no other work.
     pub fn refine(&self, request: FrameRequest) {
         let mut pending = self.pending();
         if pending.frame.is_none() {
@@ -115,7 +115,7 @@ impl JobQueue {
         }
     }
 
-    /// Waits until the window has shown what it has to show.
+    /// Waits until the window has shown its changes.
     pub fn give_way(&self) {
         let waits = |pending: &mut Pending| pending.window_first && !pending.stop;
         let (mut pending, waited) = self
@@ -127,7 +127,7 @@ impl JobQueue {
         }
     }
 
-    /// Waits for the next task, jobs first; `None` when the thread is to end.
+    /// Waits for the next task, jobs first; `None` if the thread is to end.
     pub fn next(&self) -> Option<Task> {
         let mut pending = self.pending();
         loop {
@@ -171,13 +171,13 @@ mod tests {
         queue.update(|pending| pending.pixel = Some(PixelRequest { number: 1, frame: frame(), at: [0; 2] }));
         queue.update(|pending| pending.jobs.push(Job::Picture(frame())));
         assert_eq!([(); 3].map(|()| name(queue.next().unwrap())), ["job", "pixel", "refine"]);
-        // A frame that was given up for a job is drawn later, and one that was given up for a newer frame is not.
+        // A frame abandoned for a job is drawn later, one abandoned for a newer frame is not.
         queue.resume(frame());
         assert!(queue.pending().frame.is_none());
         queue.update(|pending| pending.jobs.push(Job::Picture(frame())));
         queue.resume(frame());
         assert_eq!([(); 2].map(|()| name(queue.next().unwrap())), ["job", "frame"]);
-        // Another frame ends what was added to the last.
+        // Another frame ends the refinement of the last one.
         queue.refine(frame());
         queue.update(|pending| pending.frame = Some(frame()));
         queue.refine(frame());

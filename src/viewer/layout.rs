@@ -1,16 +1,16 @@
-//! Where things stand in the window: the panel, its handle, and the picture with what lies over it.
+//! Layout of the window: the panel, its handle, and the picture with its overlays.
 
 use super::model::Model;
 use super::{input, light_handles, overlay, panel, style};
 use egui::{Color32, Margin, Rect, Sense, Stroke, Ui, pos2, vec2};
 
-/// Largest part of the window's width that the panel takes.
+/// Largest fraction of the window's width for the panel.
 const WIDEST: f32 = 0.6;
 
-/// Part of the picture that belongs to the panel's edge [points].
+/// Part of the picture from which the panel's edge can be dragged [points].
 const EDGE: f32 = 4.0;
 
-/// Shows the panel and what lies over the picture; the picture's rectangle.
+/// Shows the panel and the overlays of the picture. Returns the picture's rectangle.
 pub fn show(ui: &mut Ui, model: &mut Model) -> Rect {
     model.changes.begin(&model.settings);
     input::keys(ui, model);
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) -> Rect {
     picture
 }
 
-/// The handle beside the panel that hides and shows it.
+/// Shows the handle beside the panel that hides and shows it.
 fn handle(ui: &mut Ui, picture: Rect, model: &mut Model) {
     let size = vec2(overlay::HANDLE, 44.0);
     let rect = Rect::from_min_size(picture.right_bottom() - size - vec2(0.0, 12.0), size);
@@ -66,12 +66,12 @@ mod tests {
 
     const LARGE: [f32; 2] = [900.0, 1400.0];
 
-    /// The middle of the panel.
+    /// Returns the middle of the panel.
     fn panel(hand: &Hand, size: [f32; 2]) -> Pos2 {
         pos2(0.5 * (hand.picture.right() + size[0]), 0.4 * size[1])
     }
 
-    /// The rows that are there under the settings of `number`; together they are all.
+    /// Sets the model to configuration `number`; all configurations together show every row.
     fn set(hand: &mut Hand, number: usize) {
         let settings = &mut hand.model.settings;
         match number {
@@ -93,7 +93,7 @@ mod tests {
         hand.rest();
     }
 
-    /// What the panel shows for `row`.
+    /// Returns the text that the panel shows for `row`.
     fn label(hand: &Hand, row: &SettingRow) -> String {
         match row.label {
             "light" => "light 1".to_owned(),
@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// Rows that need a device.
+    /// Returns true if `row` needs a device.
     fn needs_a_device(row: &SettingRow) -> bool {
         ["texture", "error bound"].contains(&row.label)
     }
@@ -217,7 +217,7 @@ mod tests {
             for row in ALL {
                 let label = label(&hand, row);
                 let Some(text) = hand.all(&label).first().cloned() else { continue };
-                // Beside the label stands what sets it, but for a button and a line of text.
+                // Most rows have a control beside the label; these are a button or a line of text.
                 let alone =
                     ["add a light", "add a lamp", "spectrum of a light", "device"].contains(&row.label);
                 let beside = pos2(text.rect.left() + 112.0, text.rect.center().y);
@@ -354,7 +354,7 @@ mod tests {
         assert!(hand.model.settings == start, "nothing to reset");
         hand.key_held(Key::Z, Modifiers::COMMAND);
         assert_eq!(hand.model.settings.exposure, start.exposure + 1.5, "a reset can be undone");
-        // What the comparison sets is reset with nothing of the picture's own.
+        // The settings of the comparison are reset without changing those of the picture.
         hand.model.settings.optics.tolerance = 0.05;
         hand.model.comparison.mode = crate::viewer::compare::Compare::Beside;
         hand.rest();

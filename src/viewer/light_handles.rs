@@ -1,4 +1,4 @@
-//! The lights of the scene, drawn where they stand in the picture and dragged there.
+//! Handles of the lights of the scene, drawn and dragged in the picture.
 
 use super::model::Model;
 use super::{orbit, style};
@@ -7,24 +7,24 @@ use crate::scene::{Camera, Emitter, FarLight, Lamp, Room};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Radius of a handle, and of what can be grabbed around it \[points\].
+/// Radius of a handle, and distance at which it can be grabbed \[points\].
 const RADIUS: f32 = 5.0;
 const REACH: f32 = 9.0;
-/// Part of the picture's height that the sphere takes on which far lights stand.
+/// Diameter of the sphere of distant lights as a fraction of the picture's height.
 const SPHERE: f32 = 0.8;
-/// The colour of a light.
+/// Colour of a light.
 const GLOW: Color32 = Color32::from_rgb(255, 236, 170);
 
-/// The camera and the picture that lights are drawn in.
+/// Camera and picture in which lights are drawn.
 #[derive(Clone, Copy)]
 struct Frame {
     camera: Camera,
-    /// Pixels, of which a point has one here.
+    /// Size of the picture, one pixel per point here.
     size: [u32; 2],
     corner: Pos2,
 }
 
-/// Draws a handle for each light over the picture, and lets it be dragged where it is within `touched`.
+/// Draws a handle for each light over the picture and handles drags within `touched`.
 pub fn show(ui: &mut Ui, touched: Rect, picture: Rect, model: &mut Model) {
     let size = [picture.width(), picture.height()].map(|n| n as u32);
     if !model.visible.lights || size.contains(&0) {
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, touched: Rect, picture: Rect, model: &mut Model) {
 }
 
 impl Frame {
-    /// Where `light` stands in the picture.
+    /// Returns the position of `light` in the picture.
     fn place(&self, light: &Emitter) -> Option<Pos2> {
         let point = match light {
             Emitter::Far(light) => self.camera.target + light.direction() * self.sphere(),
@@ -65,20 +65,20 @@ impl Frame {
         orbit::pixel_of(&self.camera, point, self.size).map(|at| self.corner + vec2(at.x, at.y))
     }
 
-    /// Direction in which the picture looks at `at`.
+    /// Returns the direction of the view ray through `at`.
     fn ray(&self, at: Pos2) -> Vec3 {
         let from_corner = at - self.corner;
         orbit::ray(&self.camera, Vec2::new(from_corner.x, from_corner.y), self.size)
     }
 
-    /// Radius of the sphere around the camera's target on which far lights stand, so that all of them are in the picture.
+    /// Returns the radius of the sphere of distant lights around the camera's target, which fits into the picture.
     fn sphere(&self) -> f32 {
         let half = (self.camera.field_of_view / 2.0).sin();
         let across = self.size[0].min(self.size[1]) as f32 / self.size[1] as f32;
         SPHERE * self.camera.distance * half * across
     }
 
-    /// Whether a far light shines from the viewer's side.
+    /// Returns true if a distant light shines from the viewer's side.
     fn is_in_front(&self, light: &FarLight) -> bool {
         light.direction().dot(self.camera.eye() - self.camera.target) >= 0.0
     }
@@ -90,7 +90,8 @@ impl Frame {
         }
     }
 
-    /// `light` on the sphere below `to`, on the side where it was; beyond the sphere's edge, on the edge.
+    /// Moves `light` to the point of the sphere under `to`, on its present side; outside the sphere's outline, to the
+    /// outline.
     fn far_light_moved(&self, light: FarLight, to: Pos2) -> FarLight {
         let (ray, radius) = (self.ray(to), self.sphere());
         let from_eye = self.camera.target - self.camera.eye();
@@ -100,28 +101,28 @@ impl Frame {
         let side = if self.is_in_front(&light) { -half_chord } else { half_chord };
         let point = if half_chord > 0.0 { missed + ray * side } else { missed.reject_from(from_eye) };
         let direction = point.normalize_or(light.direction());
-        // Just above the horizon, where light still reaches a plane.
+        // Just above the horizon, so that light still reaches a plane.
         let theta = f64::from(direction.z.clamp(-1.0, 1.0).acos().to_degrees()).min(89.0);
         let phi = f64::from(direction.y.atan2(direction.x).to_degrees());
-        // Rounded to a tenth of a degree, which is short on a command line.
+        // Rounded to a tenth of a degree, to keep command lines short.
         let tenth = |x: f64| (x * 10.0).round() / 10.0;
         FarLight { theta: tenth(theta), phi: tenth(phi), ..light }
     }
 
-    /// `lamp` below `to`, as far before the eye as it was.
+    /// Moves `lamp` under `to` at its present depth.
     fn lamp_moved(&self, lamp: Lamp, to: Pos2) -> Lamp {
         let eye = self.camera.eye();
         let forward = (self.camera.target - eye).normalize_or(Vec3::Y);
         let depth = (lamp.middle.as_vec3() - eye).dot(forward);
         let ray = self.ray(to);
         let moved = (eye + ray * (depth / ray.dot(forward))).as_dvec3();
-        // Rounded to a thousandth of what is seen, which is short on a command line.
+        // Rounded to a thousandth of the visible width, to keep command lines short.
         let across = f64::from(2.0 * self.camera.distance * (self.camera.field_of_view / 2.0).tan());
         let digits = 10f64.powf((1e3 / across).log10().ceil());
         Lamp { middle: (moved * digits).round() / digits, ..lamp }
     }
 
-    /// Draws `light` at `at`: a disc, hollow where it shines from behind the scene, or the outline of a lamp.
+    /// Draws `light` at `at`: a disc, or for a light behind the scene a ring, and the outline of a lamp.
     fn draw(&self, painter: &Painter, at: Pos2, light: &Emitter, room: &Room) {
         let is_hollow = match light {
             Emitter::Far(light) => !self.is_in_front(light),
@@ -139,7 +140,7 @@ impl Frame {
         }
     }
 
-    /// The outline of `lamp` in the picture; nothing where a part of it is behind the eye.
+    /// Returns the outline of `lamp` in the picture; empty if a part of it is behind the eye.
     fn outline(&self, lamp: &Lamp, room: &Room) -> Vec<Pos2> {
         const SIDES: usize = 48;
         let corners: Vec<DVec3> = match lamp.shape {
@@ -159,7 +160,7 @@ impl Frame {
             .unwrap_or_default()
     }
 
-    /// Names a light beside its handle, with where it stands.
+    /// Writes number and position of a light beside its handle.
     fn name(&self, painter: &Painter, at: Pos2, number: usize, light: &Emitter) {
         let place = match light {
             Emitter::Far(FarLight { theta, phi, .. }) => format!("θ {theta:.1}°  φ {phi:.1}°"),

@@ -1,8 +1,8 @@
-//! The window: winit events, a panel of egui, and the frames that `render` draws.
+//! The window: winit events, a panel of egui, and the frames drawn by `render`.
 //!
-//! Four kinds of threads run beside the window's own: `worker` prepares layers and colour tables, `render_thread` draws the
-//! scene, `error_probe` measures errors, `inspector` asks the reference about a pixel. They reply by events; the window's thread never
-//! waits for them.
+//! Four kinds of threads run in addition to the window's thread: `worker` prepares layers and colour tables,
+//! `render_thread` draws the scene, `error_probe` measures errors, `inspector` evaluates the reference for a pixel.
+//! They reply by events; the window's thread never waits for them.
 
 mod app;
 pub mod atlas;
@@ -17,6 +17,7 @@ mod file_pane;
 mod files;
 mod folder;
 mod frame;
+mod frame_renderer;
 mod framing;
 mod graph;
 #[allow(unsafe_code, reason = "hands Vulkan objects to the panel's renderer")]
@@ -38,7 +39,6 @@ mod prepared;
 mod presenter;
 mod quality;
 mod render_thread;
-mod renderer;
 mod save;
 mod settings;
 mod start;
@@ -66,7 +66,7 @@ use winit::event_loop::EventLoop;
 /// Opens the window; returns the validation messages when it is closed.
 ///
 /// # Errors
-/// No display, no device that shows windows, a device that is lost.
+/// Fails if there is no display or no device that can present, or if the device is lost.
 pub fn run(start: Start) -> Result<Vec<String>> {
     check_display(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))?;
     let no_display = |e: &dyn std::fmt::Display| {
@@ -82,7 +82,8 @@ pub fn run(start: Start) -> Result<Vec<String>> {
     Ok(instance.map(|i: Arc<Instance>| i.messages()).unwrap_or_default())
 }
 
-/// A message of winit without the place in its sources that it names in front, as in `os error at …/mod.rs:7: no such display`.
+/// Returns a message of winit without the source location in front of it, as in `os error at …/mod.rs:7: no such
+/// display`.
 fn without_source(message: &str) -> String {
     let behind = message
         .rsplit_once(".rs:")
@@ -90,7 +91,7 @@ fn without_source(message: &str) -> String {
     behind.and_then(|behind| behind.strip_prefix(": ")).unwrap_or(message).to_owned()
 }
 
-/// Fails when the environment names no display. `named` tells whether a variable is set.
+/// Fails if the environment names no display. `named` returns true if a variable is set.
 fn check_display(named: impl Fn(&str) -> bool) -> Result<()> {
     let anywhere_else = cfg!(any(windows, target_os = "macos"));
     if anywhere_else || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {

@@ -1,4 +1,4 @@
-//! The state that panel, input and background threads share: what the user has set, and what there is to show.
+//! State shared by panel, input and background threads: the user's settings and the data to show.
 
 use super::changes::{Changes, StepDirection};
 use super::compare::{self, Compare, Side};
@@ -17,12 +17,13 @@ use super::surface_pane::SurfacePane;
 use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
+use crate::scene::environment::Environment;
 use crate::scene::{Camera, FarLight};
 use crate::surface::SurfaceSource;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// One-off actions that the user has asked for.
+/// One-off actions requested by the user.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Actions {
     /// Save the picture.
@@ -43,7 +44,7 @@ pub struct Actions {
     pub close: bool,
     /// Open a dropped file, or a scene by name.
     pub open: Option<String>,
-    /// Go on with the window that was closed last.
+    /// Restore the window that was closed last.
     pub go_on: bool,
     /// Show the whole mesh.
     pub frame: bool,
@@ -63,55 +64,55 @@ pub enum SaveAs {
 /// The palette of commands.
 #[derive(Default)]
 pub struct Palette {
-    /// Whether it is shown.
+    /// True while it is shown.
     pub open: bool,
-    /// What is typed.
+    /// Typed text.
     pub text: String,
-    /// Place of what is chosen in the list of what fits the text.
+    /// Index of the chosen entry among those that match the text.
     pub chosen: usize,
 }
 
-/// What an error is about: the next success of the same kind makes it outdated.
+/// Subject of an error: the next success with the same subject makes the error outdated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Concern {
-    /// A setting, a surface or a scene that was refused.
+    /// Setting, surface or scene that was refused.
     Setting,
     /// Drawing, saving or measuring the picture.
     Picture,
 }
 
-/// An error that stays in sight until the user dismisses it or it is outdated.
+/// Error that stays visible until the user dismisses it or it is outdated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// What happened, and what helps.
+    /// Error and remedy.
     pub text: String,
-    /// What it is about.
+    /// Subject of the error.
     pub concern: Concern,
 }
 
-/// The comparison with another setting.
+/// Comparison with another setting.
 pub struct Comparison {
-    /// What is shown right of the split.
+    /// Mode of the comparison.
     pub mode: Compare,
     /// Position of the split as a fraction of the picture's width.
     pub split: f32,
-    /// The side that is shown alone, without a split.
+    /// Side that is shown alone, without a split.
     pub whole: Option<Side>,
-    /// The other setting.
+    /// Other setting.
     pub optics: OpticsSettings,
-    /// The other surface; `None` for the user's own.
+    /// Other surface; `None` for the same surface.
     pub surface: Option<SurfaceSource>,
-    /// The other setting, ready to be drawn.
+    /// Other setting, ready to be drawn.
     pub prepared: Option<Arc<Prepared>>,
 }
 
 impl Comparison {
-    /// Goes on to the next mode, with a split.
+    /// Switches to the next mode, with a split.
     pub fn step(&mut self) {
         (self.mode, self.whole) = (self.mode.next(), None);
     }
 
-    /// Shows the other side alone, and the user's own at the next call.
+    /// Shows the other side alone, and the main side at the next call.
     pub fn swap(&mut self) {
         if self.mode == Compare::Alone {
             (self.mode, self.whole) = (Compare::Beside, Some(Side::Other));
@@ -121,7 +122,7 @@ impl Comparison {
         }
     }
 
-    /// The part of the picture's width that shows the user's own side.
+    /// Returns the fraction of the picture's width that shows the main side.
     pub fn own_part(&self) -> f32 {
         match (self.mode, self.whole) {
             (Compare::Alone, _) | (_, Some(Side::Own)) => 1.0,
@@ -131,40 +132,40 @@ impl Comparison {
     }
 }
 
-/// The first colours of settings in preparation.
+/// First colours of settings in preparation.
 #[derive(Clone)]
 pub struct Preview {
-    /// What it is drawn from.
+    /// Prepared data.
     pub prepared: Arc<Prepared>,
-    /// The settings that the user has asked for.
+    /// Settings requested by the user.
     pub settings: ViewSettings,
 }
 
-/// What stands on the picture.
+/// Quality of the displayed colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// The pigment alone.
     Pigment,
     /// The first colours.
     Preview,
-    /// What the settings say.
+    /// Colours of the requested settings.
     Own,
 }
 
-/// The settings that are ready to be drawn, and the progress of those that are not.
+/// Prepared settings, and the progress of those in preparation.
 #[derive(Default)]
 pub struct Sources {
-    /// A surface that diffracts nothing, to be drawn before there is any other.
+    /// Surface that does not diffract, drawn before any other is ready.
     pub pigment: Option<Arc<Prepared>>,
-    /// The first colours, until the user's own are there.
+    /// First colours, until `own` is ready.
     pub preview: Option<Preview>,
-    /// The user's own.
+    /// Settings requested by the user.
     pub own: Option<Arc<Prepared>>,
     /// For moving pictures: fewer terms and wavelengths.
     pub coarse: Option<Arc<Prepared>>,
     /// For moving pictures: fewer wavelengths.
     pub fewer_wavelengths: Option<Arc<Prepared>>,
-    /// TaskProgress by [`Role`].
+    /// Progress by [`Role`].
     pub progress: [Option<TaskProgress>; ROLES],
 }
 
@@ -178,7 +179,7 @@ pub struct TaskProgress {
 }
 
 impl Sources {
-    /// What still pictures are drawn from, and what that shows.
+    /// Returns the data that still pictures are drawn from, and its stage.
     pub fn shown(&self) -> Option<(&Arc<Prepared>, Stage)> {
         let preview = self.preview.as_ref().map(|preview| (&preview.prepared, Stage::Preview));
         let own = self.own.as_ref().map(|own| (own, Stage::Own));
@@ -186,12 +187,12 @@ impl Sources {
         preview.or(own).or(pigment)
     }
 
-    /// What stands on the picture.
+    /// Returns the stage of the displayed colours.
     pub fn stage(&self) -> Stage {
         self.shown().map_or(Stage::Pigment, |(_, stage)| stage)
     }
 
-    /// What moving pictures of `detail` are drawn from, if it is ready; `None` for the user's own.
+    /// Returns the data that moving pictures of `detail` are drawn from, if it is ready; `None` for full detail.
     pub fn lighter(&self, detail: Detail) -> Option<&Arc<Prepared>> {
         match detail {
             Detail::Full => None,
@@ -200,7 +201,7 @@ impl Sources {
         }
     }
 
-    /// Drops what moving pictures of `detail` are drawn from.
+    /// Drops the data of moving pictures of `detail`.
     pub fn forget(&mut self, detail: Detail) {
         match detail {
             Detail::Full => {}
@@ -209,7 +210,7 @@ impl Sources {
         }
     }
 
-    /// What is being computed, and the fraction done.
+    /// Returns a description of the running computation, and the fraction done.
     pub fn in_progress(&self) -> Option<(&'static str, f32)> {
         let own = match self.stage() {
             Stage::Pigment => "pigment alone, preparing colours",
@@ -231,21 +232,21 @@ impl Sources {
     }
 }
 
-/// When frames are drawn, and how fast.
+/// Timing of frames.
 pub struct Pacing {
     /// Recent frame times.
     pub history: History,
-    /// What to leave out while moving.
+    /// Detail and resolution while moving.
     pub quality: QualityControl,
-    /// Frames a second to keep while moving.
+    /// Target frame rate while moving \[frames per second\].
     pub fps: f64,
-    /// Whether frames are drawn all the time, not only on changes.
+    /// True if frames are drawn continuously, not only on changes.
     pub continuous: bool,
-    /// Whether camera or lights are moving.
+    /// True while camera or lights are moving.
     pub moving: bool,
 }
 
-/// Which parts of the user interface are shown.
+/// Visibility of the parts of the user interface.
 pub struct Visible {
     /// The panel.
     pub panel: bool,
@@ -253,30 +254,30 @@ pub struct Visible {
     pub help: bool,
     /// The hemisphere.
     pub inset: bool,
-    /// The lights, where they stand in the picture.
+    /// Handles of the lights in the picture.
     pub lights: bool,
-    /// Whether a text was being edited at the end of the last pass. Esc ends the edit before the keys are read.
+    /// True if a text was being edited at the end of the last pass. Esc ends the edit before the keys are read.
     pub typing: bool,
 }
 
-/// The device, as the panel shows it.
+/// Information about the device for the panel.
 pub struct DeviceStatus {
-    /// Name, and why it was chosen.
+    /// Name of the device, and the reason for choosing it.
     pub name: String,
-    /// Bytes that the program's resources take.
+    /// Memory used by the program's resources \[bytes\].
     pub memory: u64,
     /// Presentation mode.
     pub present_mode: &'static str,
 }
 
 impl DeviceStatus {
-    /// Name and presentation mode, in a line.
+    /// Returns name and presentation mode in one line.
     pub fn line(&self) -> String {
         format!("{}; {} presentation", self.name, self.present_mode)
     }
 }
 
-/// The settings of each coherence that was chosen last, to return to.
+/// Last settings of each kind of coherence, to return to.
 pub struct LastCoherence {
     /// Coherence length \[µm\].
     pub length: f64,
@@ -291,83 +292,83 @@ impl Default for LastCoherence {
     }
 }
 
-/// The view that nobody has chosen: the scene's own, fitted to the picture.
+/// View of the scene fitted to the picture, until the user chooses another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DefaultView {
-    /// The camera. Another one is the user's.
+    /// Camera; a different one was chosen by the user.
     pub camera: Camera,
-    /// Pixels of the picture that it is fitted to.
+    /// Size of the picture it is fitted to \[pixels\].
     pub size: [u32; 2],
 }
 
-/// The state behind the window.
+/// State of the window.
 pub struct Model {
-    /// What the user has set.
+    /// Settings of the user.
     pub settings: ViewSettings,
-    /// The changes of them that can be undone.
+    /// Changes that can be undone.
     pub changes: Changes,
-    /// The settings at the start.
+    /// Settings at the start.
     pub original: ViewSettings,
-    /// The settings of the picture that is shown; those of the user may still be in preparation.
+    /// Settings of the displayed picture; those of the user may still be in preparation.
     pub applied: ViewSettings,
-    /// The comparison with another setting.
+    /// Comparison with another setting.
     pub comparison: Comparison,
     /// Coherences to return to.
     pub last_coherence: LastCoherence,
     /// Mesh and pigment.
     pub loaded: Arc<LoadedScene>,
-    /// What the scene has brought that was opened last.
+    /// Settings that came with the scene opened last.
     pub brought: SceneSettings,
-    /// The view as long as nobody has chosen one.
+    /// Default view, until the user chooses another.
     pub default_view: Option<DefaultView>,
-    /// What can be drawn.
+    /// Prepared data.
     pub sources: Sources,
-    /// What is shown.
+    /// Displayed frame.
     pub frame: Option<RenderedFrame>,
-    /// When frames are drawn, and how fast.
+    /// Timing of frames.
     pub pacing: Pacing,
-    /// The measured error of what is shown.
+    /// Measured error of the displayed picture.
     pub probe: Option<ProbeStatus>,
-    /// What is inspected.
+    /// State of the inspector.
     pub inspector: Inspector,
-    /// The height field, as it is shown.
+    /// State of the surface pane.
     pub surface_pane: SurfacePane,
-    /// The palette of commands.
+    /// Palette of commands.
     pub palette: Palette,
     /// Side of the hemisphere \[points of the window\].
     pub inset_side: f32,
-    /// Pictures of a turntable.
+    /// Number of pictures of a turntable.
     pub turntable: u32,
-    /// Pictures of a turntable that are recorded, while that is done.
+    /// Progress of the recording of a turntable, if one is running.
     pub recording: Option<TaskProgress>,
-    /// What the render thread draws and how much of it is there, where that takes its time.
+    /// Side being drawn and the fraction done, if drawing takes long.
     pub drawing: Option<(Side, f32)>,
-    /// What was done last, for the user.
+    /// Last notice for the user.
     pub notice: Option<String>,
-    /// What went wrong.
+    /// Last error.
     pub failure: Option<Failure>,
     /// Surfaces from files, to choose again.
     pub files: Vec<SurfaceSource>,
     /// Files to open and to write.
     pub file_choice: FileChoice,
-    /// Which parts of the user interface are shown.
+    /// Visibility of the parts of the user interface.
     pub visible: Visible,
-    /// Pixels of the picture.
+    /// Size of the picture \[pixels\].
     pub size: [u32; 2],
-    /// The device.
+    /// Information about the device.
     pub device: DeviceStatus,
-    /// What the user has asked for.
+    /// Actions requested by the user.
     pub actions: Actions,
-    /// Whether the next picture says how it is exposed.
+    /// True if the exposure of the next picture is measured.
     pub measures_exposure: bool,
-    /// The exposure \[stops\] that was measured last.
+    /// Exposure \[stops\] that was measured last.
     pub measured_exposure: Option<f64>,
-    /// Whether there is a window to go on with.
+    /// True if a closed window can be restored.
     pub has_last: bool,
 }
 
 impl Model {
-    /// The state at the start, to keep `fps` frames a second on `device`.
+    /// Makes the state at the start, with a target of `fps` frames a second on `device`.
     pub fn new(settings: ViewSettings, loaded: Arc<LoadedScene>, fps: f64, device: String) -> Self {
         let mut model = Self {
             changes: Changes::new(settings.clone()),
@@ -385,6 +386,7 @@ impl Model {
             brought: SceneSettings::of(&loaded.scene),
             default_view: None,
             settings,
+            notice: environment_note(&loaded),
             loaded,
             sources: Sources::default(),
             frame: None,
@@ -403,7 +405,6 @@ impl Model {
             turntable: 120,
             recording: None,
             drawing: None,
-            notice: None,
             failure: None,
             files: Vec::new(),
             file_choice: FileChoice::default(),
@@ -420,7 +421,7 @@ impl Model {
         model
     }
 
-    /// Lists the surface that is set, if it is a file's, so that it can be chosen again with its units.
+    /// Lists the present surface if it is a file's, so that it can be chosen again with its units.
     pub fn remember_surface(&mut self) {
         const MOST: usize = 12;
         let surface = &self.settings.surface;
@@ -436,27 +437,27 @@ impl Model {
         }
     }
 
-    /// Returns to the settings of the picture that is shown, because those that the user has set are refused.
+    /// Returns to the settings of the displayed picture after the user's settings were refused.
     pub fn revert(&mut self) {
         self.sources.preview = None;
         self.settings = self.shown();
     }
 
-    /// Exposes as a picture asks for that was measured; a reset returns to it.
+    /// Sets the exposure that was measured for a picture; a reset returns to it.
     pub fn expose(&mut self, stops: f64) {
         (self.settings.exposure, self.original.exposure) = (stops, stops);
         self.measures_exposure = false;
         self.measured_exposure = Some(stops);
     }
 
-    /// Fits the view to the picture from now on if it is the scene's own.
+    /// Marks the view as default if it is the scene's, so that it is fitted to the picture.
     pub fn choose_default_view(&mut self) {
         let camera = self.loaded.scene.camera;
         let is_own = self.settings.camera == camera;
         self.default_view = is_own.then_some(DefaultView { camera, size: [0; 2] });
     }
 
-    /// Fits the view to a picture of another size, unless the user has chosen a view; whether it has changed.
+    /// Fits the default view to a picture of another size. Returns true if the view has changed.
     pub fn fit_view(&mut self) -> bool {
         let (scene, before) = (&self.loaded.scene, self.settings.camera);
         match &mut self.default_view {
@@ -471,17 +472,18 @@ impl Model {
         self.settings.camera != before
     }
 
-    /// Shows the whole mesh from the side that it is seen from.
+    /// Shows the whole mesh from the present direction.
     pub fn frame_view(&mut self) {
         let camera = self.settings.camera;
         self.settings.camera = framing::whole(camera, &self.loaded.scene.standing(), self.size);
     }
 
-    /// Shows a scene that was opened as `name`. A mesh changes the view alone; a scene also replaces what the one before has brought.
+    /// Shows a scene that was opened as `name`. A mesh changes only the view; a scene also replaces the settings of the
+    /// previous scene.
     pub fn show_scene(&mut self, name: String, loaded: LoadedScene) {
         let is_mesh = name.to_lowercase().ends_with(".obj");
         self.settings.camera = loaded.scene.camera;
-        // An exposure that was measured is that of the scene.
+        // A measured exposure belongs to its scene.
         self.measures_exposure |= self.measured_exposure == Some(self.settings.exposure);
         if !is_mesh {
             self.measures_exposure |= loaded.scene.auto_exposure;
@@ -494,11 +496,12 @@ impl Model {
         self.loaded = Arc::new(loaded);
         self.choose_default_view();
         self.pacing.quality.invalidate();
-        self.notice = None;
+        self.notice = environment_note(&self.loaded);
         self.succeed(Concern::Setting);
     }
 
-    /// What the reset of a single setting returns to: the settings at the start, or in another scene what that brings.
+    /// Returns the settings that a reset of a single setting returns to: those at the start, with those of the scene if
+    /// it is another.
     pub fn start(&self) -> ViewSettings {
         let mut start = self.original.clone();
         if self.settings.scene != start.scene {
@@ -514,18 +517,19 @@ impl Model {
         self.choose_default_view();
     }
 
-    /// Whether to offer the window that was closed last: until something is set in this one.
+    /// Returns true if restoring the closed window is offered: until something is set in this one.
     pub fn offers_last(&self) -> bool {
         self.has_last && self.is_untouched()
     }
 
-    /// Whether nothing is set but what the window started with. A view that follows the size of the window is nobody's choice.
+    /// Returns true if only the window has changed settings. A view that follows the size of the window is not the
+    /// user's choice.
     pub fn is_untouched(&self) -> bool {
         let camera = if self.default_view.is_some() { self.original.camera } else { self.settings.camera };
         ViewSettings { camera, ..self.settings.clone() }.needs(&self.original) == Needs::Nothing
     }
 
-    /// Shows a window that was closed, with its own scene.
+    /// Restores a closed window with its scene.
     pub fn go_on(&mut self, name: String, loaded: LoadedScene, settings: ViewSettings) {
         self.show_scene(name, loaded);
         self.settings = settings;
@@ -534,7 +538,7 @@ impl Model {
         self.remember_surface();
     }
 
-    /// The settings of the picture that is shown: optics as prepared, everything else as set now.
+    /// Returns the settings of the displayed picture: the optics as prepared, everything else as set now.
     pub fn shown(&self) -> ViewSettings {
         let now = &self.settings;
         let done = self.sources.preview.as_ref().map_or(&self.applied, |preview| &preview.settings);
@@ -551,15 +555,17 @@ impl Model {
         }
     }
 
-    /// The hemisphere that is shown, if any: that of the light of the inspected pixel in its tangent frame, else of the first light of the scene.
+    /// Returns the requested hemisphere, if any: that of the light of the inspected pixel in its tangent frame,
+    /// otherwise of the first light of the scene.
     pub fn hemisphere(&self) -> Option<InsetRequest> {
-        /// Side from which on it has more points \[points of the window\].
+        /// Side from which the fine inset is drawn \[points of the window\].
         const FINE: f32 = 200.0;
         let light = self.shown_light().filter(|_| self.visible.inset)?;
         Some(InsetRequest { light, fine: self.inset_side > FINE && !self.pacing.moving })
     }
 
-    /// The light that panes are about: that of the inspected pixel in its tangent frame, else the first of the scene.
+    /// Returns the light that panes show: that of the inspected pixel in its tangent frame, otherwise the first of the
+    /// scene.
     pub fn shown_light(&self) -> Option<FarLight> {
         let inspected = self.inspector.light().filter(|light| !light.is_dark()).map(|light| {
             let [[theta, phi], _] = light.angles();
@@ -572,7 +578,7 @@ impl Model {
         inspected.or_else(first)
     }
 
-    /// The samples that pictures of `stage` are summed of. What is compared or inspected is one sample.
+    /// Returns the samples of pictures of `stage`. A compared or inspected picture is a single sample.
     pub fn sampling(&self, stage: Stage) -> Sampling {
         let is_one = self.comparison.mode != Compare::Alone || self.inspector.open || stage != Stage::Own;
         if is_one { Sampling::ONE } else { self.settings.sampling() }
@@ -583,17 +589,17 @@ impl Model {
         self.quality_after(self.frame.as_ref().map(|frame| frame.number))
     }
 
-    /// Returns the quality of the frame after one of the setting of this number.
+    /// Returns the quality of the frame after one of the setting with this number.
     fn quality_after(&self, frame: Option<u64>) -> Quality {
         let stand_in = self.sources.shown().filter(|(_, stage)| *stage != Stage::Own);
         match (frame, stand_in, self.pacing.moving) {
             // The first frame appears at once, at low resolution, even while moving.
             (None, ..) => Quality::FIRST,
-            // A preview shows its colours at once, too, and leaves the machine to what it stands for.
+            // A preview also appears at once and leaves the cores to the preparation of the requested setting.
             (Some(number), Some((shown, _)), false) if shown.number == number => Quality::PREVIEW,
             (_, Some(_), _) => Quality::FIRST,
             (_, None, false) => Quality::WHOLE,
-            // A comparison always shows the two settings that it names.
+            // A comparison always shows the two settings it names.
             _ => self.pacing.quality.moving(|detail| {
                 self.comparison.mode == Compare::Alone && self.sources.lighter(detail).is_some()
             }),
@@ -605,7 +611,7 @@ impl Model {
         self.notice = Some(text.into());
     }
 
-    /// Shows an error to the user. What was announced before it does not happen.
+    /// Shows an error to the user and removes the notice before it, which may be wrong now.
     pub fn report(&mut self, concern: Concern, error: &Error) {
         self.notice = None;
         self.failure = Some(Failure { text: in_controls(error), concern });
@@ -615,6 +621,11 @@ impl Model {
     pub fn succeed(&mut self, concern: Concern) {
         self.failure.take_if(|failure| failure.concern == concern);
     }
+}
+
+/// Returns the note about the environment map of a scene.
+fn environment_note(loaded: &LoadedScene) -> Option<String> {
+    loaded.scene.environment.as_ref().and_then(Environment::note)
 }
 
 #[cfg(test)]
@@ -646,12 +657,28 @@ mod tests {
         assert_eq!((&now.surface, now.exposure, now.base_color), (&set.surface, 1.5, set.base_color));
         let scene = &model.loaded.scene;
         assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.tone, scene.camera));
-        assert_eq!(now.reflectance, scene.reflectance.clone().unwrap());
-        // Nothing was set that the next scene could not bring.
+        assert_eq!(now.reflectance, scene.main_object().reflectance.clone().unwrap());
+        // All settings come from the scenes.
         show(&mut model, "plate");
         model.return_to_start();
         show(&mut model, "sphere");
         assert_eq!(model.settings.exposure, model.loaded.scene.exposure);
+    }
+
+    #[test]
+    fn pixels_of_surroundings_that_are_no_light_are_told() {
+        let mut model = model();
+        assert_eq!(model.notice, None);
+        let mut scene = Scene::open("plate").unwrap();
+        let pixels =
+            image::Rgb32FImage::from_fn(16, 8, |x, _| image::Rgb([if x == 3 { f32::NAN } else { 1.0 }; 3]));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image::DynamicImage::from(pixels).write_to(&mut bytes, image::ImageFormat::OpenExr).unwrap();
+        scene.environment = Some(Environment::from_bytes("holes.exr", bytes.get_ref()).unwrap());
+        model.show_scene("plate".to_owned(), LoadedScene::of(scene).unwrap());
+        assert!(model.notice.as_ref().unwrap().starts_with("holes.exr: 8 pixels"), "{:?}", model.notice);
+        show(&mut model, "plate");
+        assert_eq!(model.notice, None);
     }
 
     #[test]

@@ -1,10 +1,10 @@
-//! Moves camera and light by drags of the pointer: geometry without a window.
+//! Geometry of dragging camera and lights, without a window.
 
 use crate::scene::environment::Placement;
 use crate::scene::{Camera, Emitter, FarLight, Lamp, Mesh};
 use glam::{Vec2, Vec3};
 
-/// What a drag moves.
+/// Object of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drag {
     /// The camera around its target.
@@ -24,7 +24,7 @@ const POLE: f32 = 0.01;
 /// Factor on the camera's distance per step of the wheel.
 const ZOOM: f32 = 0.88;
 
-/// `camera` after a drag by `pixels` (x right, y down) in a picture `height` pixels high.
+/// Returns `camera` after a drag by `pixels` (x right, y down) in a picture `height` pixels high.
 pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera {
     let part = pixels / height.max(1.0);
     match drag {
@@ -45,8 +45,8 @@ pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera 
     }
 }
 
-/// What emits a light, after a drag by `pixels` in a picture `height` pixels high, seen by `camera`. A drag to the right moves the light
-/// to the right, a drag upward moves it away from the viewer; a lamp keeps its height.
+/// Returns the emitter `light` after a drag by `pixels` in a picture `height` pixels high, seen by `camera`. A drag to
+/// the right moves the light to the right, a drag upward moves it away from the viewer; a lamp keeps its height.
 pub fn light_dragged(light: Emitter, camera: Camera, pixels: Vec2, height: f32) -> Emitter {
     match light {
         Emitter::Far(light) => far_light_dragged(light, camera, pixels, height).into(),
@@ -54,12 +54,13 @@ pub fn light_dragged(light: Emitter, camera: Camera, pixels: Vec2, height: f32) 
     }
 }
 
-/// `placement` of surroundings after a drag by `pixels` in a picture `height` pixels high: what lies behind the scene moves with the pointer.
+/// Returns the `placement` of surroundings after a drag by `pixels` in a picture `height` pixels high: the background
+/// moves with the pointer.
 pub fn surroundings_dragged(placement: Placement, pixels: Vec2, height: f32) -> Placement {
     let turned = placement.rotation - f64::from(pixels.x / height.max(1.0) * TURN).to_degrees();
-    // Rounded to a tenth of a degree, which is short on a command line.
+    // Rounded to a tenth of a degree, to keep command lines short.
     let rotation = (turned * 10.0).round() / 10.0;
-    // From −180° to 180°.
+    // In the range −180° to 180°.
     Placement { rotation: rotation - 360.0 * (rotation / 360.0).round(), ..placement }
 }
 
@@ -69,7 +70,7 @@ fn lamp_dragged(lamp: Lamp, camera: Camera, pixels: Vec2, height: f32) -> Lamp {
     let right = Vec2::new(away.y, -away.x);
     let across = 2.0 * camera.distance * (camera.field_of_view / 2.0).tan();
     let moved = lamp.middle + ((right * part.x - away * part.y) * across).extend(0.0).as_dvec3();
-    // Rounded to a thousandth of what is seen, which is short on a command line.
+    // Rounded to a thousandth of the visible width, to keep command lines short.
     let digits = 10f64.powf((1e3 / f64::from(across)).log10().ceil());
     Lamp { middle: (moved * digits).round() / digits, ..lamp }
 }
@@ -85,32 +86,32 @@ fn far_light_dragged(light: FarLight, camera: Camera, pixels: Vec2, height: f32)
     let length = moved.length();
     let theta = f64::from(length.to_degrees()).clamp(0.0, 89.0);
     let phi = if length > 1e-4 { f64::from(moved.to_angle().to_degrees()) } else { light.phi };
-    // Rounded to a tenth of a degree, which is short on a command line.
+    // Rounded to a tenth of a degree, to keep command lines short.
     let tenth = |x: f64| (x * 10.0).round() / 10.0;
     FarLight { theta: tenth(theta), phi: tenth(phi), ..light }
 }
 
-/// `camera` after `steps` of the wheel, forward positive, around a scene of `radius`.
+/// Returns `camera` after `steps` of the wheel, forward positive, around a scene of `radius`.
 pub fn zoomed(camera: Camera, steps: f32, radius: f32) -> Camera {
     let distance = camera.distance * ZOOM.powf(steps.clamp(-20.0, 20.0));
     Camera { distance: distance.clamp(radius * 0.02, radius * 50.0), ..camera }
 }
 
-/// Direction in which pixel `at` of a picture of `size` looks.
+/// Returns the direction of the view ray through pixel `at` of a picture of `size`.
 pub fn ray(camera: &Camera, at: Vec2, size: [u32; 2]) -> Vec3 {
     let world = camera.clip_from_world(size, camera.target, camera.distance).inverse();
     let clip = at / Vec2::new(size[0] as f32, size[1] as f32) * 2.0 - 1.0;
     (world.project_point3(clip.extend(0.5)) - camera.eye()).normalize_or_zero()
 }
 
-/// The pixel of a picture of `size` that shows `point`; `None` behind the eye.
+/// Returns the pixel of a picture of `size` that shows `point`; `None` behind the eye.
 pub fn pixel_of(camera: &Camera, point: Vec3, size: [u32; 2]) -> Option<Vec2> {
     let clip = camera.clip_from_world(size, camera.target, camera.distance) * point.extend(1.0);
     let place = clip.truncate().truncate() / clip.w;
     (clip.w > 0.0).then(|| (place + 1.0) / 2.0 * Vec2::new(size[0] as f32, size[1] as f32))
 }
 
-/// The nearest point of `meshes` under pixel `at` of a picture of `size`; `None` where they cover nothing.
+/// Returns the nearest point of `meshes` under pixel `at` of a picture of `size`; `None` if there is none.
 pub fn hit(camera: &Camera, meshes: &[&Mesh], at: Vec2, size: [u32; 2]) -> Option<Vec3> {
     let (eye, ray) = (camera.eye(), ray(camera, at, size));
     let distances = meshes.iter().flat_map(|mesh| {
@@ -123,7 +124,8 @@ pub fn hit(camera: &Camera, meshes: &[&Mesh], at: Vec2, size: [u32; 2]) -> Optio
     distances.min_by(f32::total_cmp).map(|t| eye + ray * t)
 }
 
-/// Distance along `ray` from `eye` to the triangle at `a` with edges `e` and `f` (Möller and Trumbore 1997).
+/// Returns the distance along `ray` from `eye` to the triangle at `a` with edges `e` and `f` (Möller and Trumbore
+/// 1997).
 fn crossing(eye: Vec3, ray: Vec3, a: Vec3, e: Vec3, f: Vec3) -> Option<f32> {
     let p = ray.cross(f);
     let determinant = e.dot(p);
@@ -182,7 +184,7 @@ mod tests {
     #[test]
     fn a_light_crosses_the_zenith_and_stays_above_the_horizon() {
         let light = FarLight { theta: 10.0, phi: 90.0, intensity: 2.0, size: 0.0 };
-        // The camera looks toward +y, so away is +y: up moves the light from the far side farther away.
+        // The camera looks toward +y, so a drag upward moves the light on the far side farther away.
         let dragged = |light: FarLight, pixels| match light_dragged(light.into(), camera(), pixels, 400.0) {
             Emitter::Far(light) => light,
             Emitter::Lamp(_) => panic!("it became a lamp"),

@@ -1,4 +1,4 @@
-//! What is drawn over the picture: state, messages, split, error scale, list of keys.
+//! Overlays of the picture: state, messages, split, error scale, list of keys.
 
 use super::compare::{Compare, Metric, Side};
 use super::file_pane;
@@ -56,7 +56,7 @@ fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, width: f32, text: &st
     rect
 }
 
-/// What is shown and computed now, what was done, and what went wrong, from the bottom up.
+/// Shows the running computation, the last notice and the last error, from the bottom up.
 fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
     let mut at = rect.left_bottom() + vec2(MARGIN, -MARGIN);
     let width = (rect.width() - 4.0 * MARGIN - HANDLE).max(60.0);
@@ -97,7 +97,7 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
     }
 }
 
-/// Draws how far something is done, above `at` and at most `width` wide; the rectangle.
+/// Draws a progress bar above `at`, at most `width` wide; returns its rectangle.
 fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32) -> Rect {
     let text = format!("{what}: {:.0} %", part * 1e2);
     let galley = painter.layout(text, FontId::proportional(12.0), style::TEXT, (width - 16.0).min(320.0));
@@ -113,7 +113,7 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
     ground
 }
 
-/// A side of the comparison by its settings, and by its surface where the two sides differ in it.
+/// Names a side of the comparison by its settings, and by its surface if the two sides differ in it.
 fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &OpticsSettings) -> String {
     let of_mean = settings.windows(optics) == Windows::All;
     let by = if of_mean { Method::Table.name() } else { optics.basis.name() };
@@ -135,7 +135,7 @@ fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &Opti
     text
 }
 
-/// What stands left and right of the split.
+/// Returns the labels left and right of the split.
 fn sides(model: &Model) -> [String; 2] {
     let Comparison { mode, optics, surface, prepared, .. } = &model.comparison;
     let own_surface = surface.as_ref().map(|_| &model.applied.surface);
@@ -151,7 +151,8 @@ fn sides(model: &Model) -> [String; 2] {
     [named(own_surface, &model.applied, &model.applied.optics), other]
 }
 
-/// The line between the pictures, with the name of each setting beside it; or which side is shown alone.
+/// Draws the line between the pictures with the name of each setting beside it, or the name of the side that is shown
+/// alone.
 fn split(painter: &Painter, rect: Rect, model: &Model) {
     let x = rect.left() + model.comparison.own_part() * rect.width();
     let top = rect.top() + MARGIN;
@@ -165,7 +166,7 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
     } else {
         line(painter, rect, x);
         let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
-        // Names that do not fit are cut off instead of wrapped.
+        // Names that are too long are cut off instead of wrapped.
         let wide = f32::INFINITY;
         note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &own, style::TEXT);
         let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
@@ -178,7 +179,7 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
     }
 }
 
-/// The line at `x` between the pictures, with its grip.
+/// Draws the line at `x` between the pictures, with its grip.
 fn line(painter: &Painter, rect: Rect, x: f32) {
     painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(3.0, style::GLASS));
     painter.line_segment([pos2(x, rect.top()), pos2(x, rect.bottom())], Stroke::new(1.0, Color32::WHITE));
@@ -191,10 +192,10 @@ fn line(painter: &Painter, rect: Rect, x: f32) {
     }
 }
 
-/// The colour scale of a difference.
+/// Draws the colour scale of a difference.
 fn scale(painter: &Painter, rect: Rect, metric: Metric) {
     const SIZE: egui::Vec2 = vec2(220.0, 10.0);
-    /// Steps of the scale; between them colours go on evenly.
+    /// Steps of the scale; colours are interpolated between them.
     const STEPS: u32 = 20;
     let ground = Rect::from_min_size(
         rect.right_bottom() - vec2(264.0 + MARGIN + HANDLE, 44.0 + MARGIN),
@@ -225,11 +226,11 @@ fn scale(painter: &Painter, rect: Rect, metric: Metric) {
     }
 }
 
-/// Lists the keys and gestures, in two columns where they fit side by side.
+/// Lists the keys and gestures, in two columns if they fit side by side.
 fn help(ui: &mut Ui, model: &mut Model) {
-    /// Room for the frame and the title of the list of keys.
+    /// Size of the frame and title of the list of keys.
     const FRAME: egui::Vec2 = vec2(40.0, 70.0);
-    /// Width of keys, and of what they do.
+    /// Width of the keys and of their descriptions.
     const WIDTHS: [f32; 2] = [160.0, 250.0];
     let room = ui.ctx().content_rect().size() - FRAME;
     let is_wide = room.x > 2.0 * (WIDTHS[0] + WIDTHS[1]) + 24.0;
@@ -253,7 +254,7 @@ fn help(ui: &mut Ui, model: &mut Model) {
         });
 }
 
-/// Shows keys and what they do in a column of each, as wide as `widths` say.
+/// Shows keys and their descriptions in two columns with these `widths`.
 fn keys(ui: &mut Ui, rows: &[(String, &str)], widths: [f32; 2]) {
     for (key, what) in rows {
         ui.horizontal_top(|ui| {

@@ -1,4 +1,4 @@
-//! The palette: every command, scene and surface by a part of its name.
+//! Palette: finds commands, scenes and surfaces by a part of the name.
 
 use super::commands::{COMMANDS, ViewerCommand};
 use super::model::{Model, Palette};
@@ -10,7 +10,7 @@ use egui::{
     Align2, Color32, FontId, Key, Modifiers, Rect, RichText, ScrollArea, Sense, TextEdit, Ui, pos2, vec2,
 };
 
-/// A line of the palette.
+/// Entry of the palette.
 #[derive(Clone)]
 enum PaletteEntry {
     Command(&'static ViewerCommand),
@@ -42,7 +42,7 @@ impl PaletteEntry {
         }
     }
 
-    /// Whether its name has every word of `text`.
+    /// Returns true if the name contains every word of `text`.
     fn fits(&self, text: &str) -> bool {
         let name = self.name().to_lowercase();
         text.to_lowercase().split_whitespace().all(|word| name.contains(word))
@@ -57,7 +57,7 @@ impl PaletteEntry {
     }
 }
 
-/// Shows the palette over the picture in `rect`, if it is open, and runs what is chosen.
+/// Shows the palette over the picture in `rect` if it is open, and runs the chosen entry.
 pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
     const WIDTH: f32 = 420.0;
     if !model.palette.open {
@@ -114,7 +114,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
     }
 }
 
-/// Shows an entry with its keys; whether it is clicked.
+/// Shows an entry with its keys. Returns true if it is clicked.
 fn line(ui: &mut Ui, entry: &PaletteEntry, is_chosen: bool) -> bool {
     /// Height of a line \[points\].
     const HEIGHT: f32 = 22.0;
@@ -160,7 +160,7 @@ mod tests {
             assert!(hand.reads("show the whole mesh") && !hand.says("undo the last change"));
             hand.key(Key::Enter);
             assert!(hand.model.actions.frame && !hand.model.palette.open);
-            // What is typed reaches no other key.
+            // Typed text does not trigger keys.
             hand.key_held(Key::P, Modifiers::COMMAND);
             hand.write("field: b");
             hand.key(Key::B);

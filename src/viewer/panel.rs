@@ -1,4 +1,4 @@
-//! The panel: settings and their cost.
+//! Panel: settings and their cost.
 
 mod cost;
 mod optics;
@@ -13,9 +13,9 @@ use egui::{CollapsingHeader, RichText, ScrollArea, Ui};
 
 /// Width of the panel until the user drags its edge [points].
 pub const WIDTH: f32 = 336.0;
-/// Its least width [points].
+/// Minimum width of the panel [points].
 pub const LEAST_WIDTH: f32 = 220.0;
-/// Height from which on the costs stay in sight below the other sections, instead of scrolling with them [points].
+/// Height from which the costs stay visible below the other sections instead of scrolling with them [points].
 const TALL: f32 = 700.0;
 
 /// Shows the panel and applies the user's changes to `model`.
@@ -44,14 +44,14 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// A section with a heading that opens and closes it.
+/// Shows a section with a heading that opens and closes it.
 fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     ui.add_space(3.0);
     let title = RichText::new(title).color(style::ACCENT).strong();
     CollapsingHeader::new(title).default_open(true).show_unindented(ui, add);
 }
 
-/// The file name of a path.
+/// Returns the file name of a path.
 fn short(name: &str) -> &str {
     std::path::Path::new(name).file_name().and_then(|n| n.to_str()).unwrap_or(name)
 }

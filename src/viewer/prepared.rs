@@ -9,16 +9,16 @@ use crate::setup;
 use crate::surface::HeightField;
 use std::sync::{Arc, LazyLock};
 
-/// What a setting is prepared for, the most urgent first.
+/// Purpose of a prepared setting, most urgent first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// The first colours of the user's own picture, until those are there that the settings ask for.
+    /// First colours of the main picture, until those of the requested settings are ready.
     Preview,
-    /// The user's own picture.
+    /// Main picture, with the settings of the user.
     Own,
-    /// The picture that it is compared with.
+    /// Picture it is compared with.
     Other,
-    /// The user's own picture, as fine as camera and lights ask for now.
+    /// Main picture, with the resolution of (u, v) that the present view needs.
     AsSeen,
     /// Moving pictures, with fewer wavelengths and terms.
     Coarse,
@@ -30,10 +30,10 @@ pub enum Role {
 pub const ROLES: usize = 6;
 
 impl Prepared {
-    /// A surface that diffracts nothing, before there is any other.
+    /// Returns a surface that does not diffract, for use before any other is ready.
     ///
     /// # Errors
-    /// None that is known of.
+    /// Fails only if there is a bug in this function.
     pub fn pigment_alone() -> Result<Self> {
         Ok(Self {
             number: 0,
@@ -45,32 +45,32 @@ impl Prepared {
     }
 }
 
-/// A surface and settings that are ready to be drawn.
+/// Surface and settings that are ready to be drawn.
 pub struct Prepared {
     /// Number of the request; unique and increasing.
     pub number: u64,
-    /// The height field.
+    /// Height field.
     pub field: Arc<HeightField>,
-    /// What it is shaded from.
+    /// Sources of the first object.
     pub sources: ObjectSources,
-    /// What the objects beside the first are shaded from, as far as it is known.
+    /// Sources of the further objects, as far as they are known.
     pub others: Vec<ObjectSources>,
     /// Errors of scalar theory; `None` if the height field has not been measured.
     pub scalar_theory: Option<ScalarTheory>,
 }
 
 impl Prepared {
-    /// What the first object is shaded from under the illuminant of the settings.
+    /// Returns the source of the first object under the illuminant of the settings.
     pub fn source(&self) -> &Source {
         &self.sources.own.source
     }
 
-    /// The settings.
+    /// Returns the settings of the optics.
     pub fn shading(&self) -> &Shading {
         &self.sources.own.shading
     }
 
-    /// What the objects of a scene of so many are shaded from. Where it is not known yet, the pigment is seen.
+    /// Iterates over the sources of `objects` objects; an object whose source is unknown shows its pigment alone.
     pub fn of_objects(&self, objects: usize) -> impl Iterator<Item = &ObjectSources> {
         static UNKNOWN: LazyLock<ObjectSources> =
             LazyLock::new(|| ObjectSources::new(setup::pigment_alone(), Shading::default()));

@@ -3,7 +3,7 @@
 use super::atlas::FrameResources;
 use super::gui::{Gui, PaintJobs};
 use crate::error::Result;
-use crate::render::window::{PicturePlace, WindowPass, WindowPictures};
+use crate::render::window_pass::{PicturePlace, WindowPass, WindowPictures};
 use crate::vk::access::Access;
 use crate::vk::commands::Commands;
 use crate::vk::device::Device;
@@ -15,10 +15,10 @@ use ash::vk;
 use std::sync::Arc;
 use winit::window::Window;
 
-/// Number of frames in flight: one is recorded while the one before is shown.
+/// Number of frames in flight: one is recorded while the previous one is shown.
 const FRAMES_IN_FLIGHT: usize = 2;
 
-/// What one frame in flight uses.
+/// Resources of one frame in flight.
 struct FrameInFlight {
     // First: dropping it waits for the work that uses the other fields.
     commands: Commands,
@@ -27,15 +27,15 @@ struct FrameInFlight {
     resources: FrameResources,
 }
 
-/// The pictures to show and their place.
+/// Pictures to show and their positions.
 pub struct ShownPictures<'a> {
-    /// Left and right of the split.
+    /// Pictures left and right of the split.
     pub images: [&'a Arc<Image>; 2],
-    /// Their place in the window.
+    /// Positions in the window.
     pub place: PicturePlace,
 }
 
-/// The surface of a window and everything that draws to it.
+/// Surface of a window, and everything that draws to it.
 pub struct Presenter {
     frames: Vec<FrameInFlight>,
     next: usize,
@@ -51,10 +51,10 @@ pub struct Presenter {
 }
 
 impl Presenter {
-    /// A presenter for `window`, in presentation mode `mode` if the device supports it.
+    /// Makes a presenter for `window`, in presentation mode `mode` if the device supports it.
     ///
     /// # Errors
-    /// When the device fails.
+    /// Fails if Vulkan reports an error.
     pub fn new(
         device: &Arc<Device>,
         surface: &Arc<Surface>,
@@ -90,15 +90,16 @@ impl Presenter {
         self.outdated = true;
     }
 
-    /// The presentation mode.
+    /// Returns the presentation mode.
     pub fn mode(&self) -> vk::PresentModeKHR {
         self.swapchain.as_ref().map_or(self.mode, Swapchain::mode)
     }
 
-    /// Draws a frame and presents it; false if nothing was shown because the window has no area or was resized meanwhile.
+    /// Draws a frame and presents it; false if nothing was shown because the window has no area or was resized
+    /// meanwhile.
     ///
     /// # Errors
-    /// When the device is lost.
+    /// Fails if the device is lost.
     pub fn draw(&mut self, pictures_shown: Option<&ShownPictures<'_>>, jobs: &mut PaintJobs) -> Result<bool> {
         if self.outdated {
             self.recreate_swapchain()?;
@@ -152,7 +153,7 @@ impl Presenter {
         let size: [u32; 2] = self.window.inner_size().into();
         match Swapchain::new(&self.device, &self.surface, size, self.mode, self.swapchain.take())? {
             Presented::Done(swapchain) => {
-                // A window without area needs a swapchain once it has one.
+                // A window without area gets a swapchain once it has one.
                 self.outdated = swapchain.is_none();
                 self.swapchain = swapchain;
                 Ok(())

@@ -1,13 +1,13 @@
-//! Adaptive quality: how much work a frame leaves out while camera or lights move, so that it keeps to its time budget.
+//! Adaptive quality: reduces the work of frames while camera or lights move, so that they keep to a time budget.
 
 use std::fmt;
 
-/// The spectra that a frame is summed from.
+/// Level of detail of the spectra that a frame is summed from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
-    /// The user's own setting.
+    /// Main setting.
     Full,
-    /// As many terms at fewer wavelengths.
+    /// Same number of terms at fewer wavelengths.
     FewerWavelengths,
     /// Fewer terms at fewer wavelengths.
     Coarse,
@@ -16,7 +16,7 @@ pub enum Detail {
 impl Detail {
     const ALL: [Self; 3] = [Self::Full, Self::FewerWavelengths, Self::Coarse];
 
-    /// Estimated frame time over that of [`Detail::Full`], used until a frame was timed.
+    /// Returns the estimated frame time over that of [`Detail::Full`], used until a frame was timed.
     const fn estimated_cost(self) -> f64 {
         match self {
             Self::Full => 1.0,
@@ -26,33 +26,33 @@ impl Detail {
     }
 }
 
-/// How much of the work a frame does.
+/// Quality of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quality {
-    /// The spectra.
+    /// Level of detail of the spectra.
     pub detail: Detail,
     /// Window pixels per rendered pixel along one side, 1 … 4.
     pub divisor: u32,
 }
 
-/// The largest [`Quality::divisor`].
+/// Largest [`Quality::divisor`].
 const LARGEST_DIVISOR: u32 = 4;
 
 impl Quality {
-    /// Everything.
+    /// Full detail and resolution.
     pub const WHOLE: Self = Self { detail: Detail::Full, divisor: 1 };
-    /// For the very first frame, which should appear at once.
+    /// Quality of the very first frame, which should appear at once.
     pub const FIRST: Self = Self { detail: Detail::Full, divisor: LARGEST_DIVISOR };
 
-    /// For pictures that stand in for those of the user's setting while it is prepared.
+    /// Quality of previews, shown while the user's setting is prepared.
     pub const PREVIEW: Self = Self { detail: Detail::Full, divisor: 2 };
 
-    /// Pixels to render for a picture of `size`.
+    /// Returns the pixels to render for a picture of `size`.
     pub fn size(self, size: [u32; 2]) -> [u32; 2] {
         size.map(|n| n.div_ceil(self.divisor))
     }
 
-    /// Fraction of the pixels that is rendered.
+    /// Returns the fraction of the pixels that is rendered.
     fn pixels(self) -> f64 {
         1.0 / f64::from(self.divisor.pow(2))
     }
@@ -74,12 +74,12 @@ impl fmt::Display for Quality {
     }
 }
 
-/// The frame time of a quality \[ms\].
+/// Frame time of a quality \[ms\].
 #[derive(Clone, Copy, Debug)]
 struct Time {
     milliseconds: f64,
-    // Measured with another setting, or on the first frame of a painter, which includes one-off work of the driver. The
-    // next measurement replaces it instead of being averaged with it.
+    // True if measured with another setting, or on the first frame of a renderer, which includes one-off work of the
+    // driver. The next measurement replaces the time instead of being averaged with it.
     provisional: bool,
 }
 
@@ -92,12 +92,12 @@ pub struct QualityControl {
 }
 
 impl QualityControl {
-    /// For `fps` frames a second.
+    /// Makes a control for `fps` frames a second.
     pub fn new(fps: f64) -> Self {
         Self { budget: 1e3 / fps, times: Default::default() }
     }
 
-    /// Time that a frame may take \[ms\].
+    /// Returns the time that a frame may take \[ms\].
     pub fn budget(&self) -> f64 {
         self.budget
     }
@@ -107,14 +107,15 @@ impl QualityControl {
         self.budget = 1e3 / fps;
     }
 
-    /// Marks all times as provisional, because surface, size or setting changed. They still serve until new ones are known.
+    /// Marks all times as provisional, because surface, size or setting changed. They are used until new ones are
+    /// known.
     pub fn invalidate(&mut self) {
         self.times.iter_mut().flatten().flatten().for_each(|time| time.provisional = true);
     }
 
-    /// Records a frame of `quality` that took `milliseconds`; `first` if it was the first of its painter.
+    /// Records a frame of `quality` that took `milliseconds`; `first` if it was the first of its renderer.
     pub fn record(&mut self, quality: Quality, milliseconds: f64, first: bool) {
-        /// Weight of the newest frame in the exponential mean, so that a single slow frame changes nothing.
+        /// Weight of the newest frame in the exponential mean; limits the effect of a single slow frame.
         const NEWEST: f64 = 0.4;
         let slot = &mut self.times[quality.detail as usize][quality.divisor as usize - 1];
         let milliseconds = match slot {
@@ -124,13 +125,14 @@ impl QualityControl {
         *slot = Some(Time { milliseconds, provisional: first });
     }
 
-    /// Whether whole frames are known to take longer than the budget.
+    /// Returns true if frames of full quality are known to exceed the budget.
     pub fn is_slow(&self) -> bool {
         self.measured(Quality::WHOLE).is_some_and(|time| time > self.budget)
     }
 
-    /// The quality of a moving frame: the best one that is expected to keep to the budget. Details are reduced before
-    /// resolution, because that costs less accuracy. `is_ready` tells which spectra exist beside the user's own.
+    /// Returns the quality of a moving frame: the best one that is expected to keep to the budget. Detail is reduced
+    /// before resolution, because that costs less accuracy. `is_ready` returns true for the spectra that exist beside
+    /// those of full detail.
     pub fn moving(&self, is_ready: impl Fn(Detail) -> bool) -> Quality {
         let details = Detail::ALL.into_iter().filter(|&detail| detail == Detail::Full || is_ready(detail));
         let lightest = details.clone().last().unwrap_or(Detail::Full);
@@ -145,8 +147,8 @@ impl QualityControl {
         self.times[quality.detail as usize][quality.divisor as usize - 1].map(|time| time.milliseconds)
     }
 
-    /// The expected frame time \[ms\]. Without a measurement of this quality it is scaled by the number of pixels from the
-    /// nearest measured resolution; without any measurement of this detail, from the user's own.
+    /// Returns the expected frame time \[ms\]. Without a measurement of this quality it is scaled by the number of
+    /// pixels from the nearest measured resolution; without any measurement of this detail, from full detail.
     fn expected(&self, quality: Quality) -> Option<f64> {
         let all_sizes = (1..=LARGEST_DIVISOR).map(|divisor| Quality { divisor, ..quality });
         let measured = all_sizes.filter_map(|q| self.measured(q).map(|time| (q, time)));
@@ -224,7 +226,7 @@ mod tests {
             Quality { divisor: 3, ..Quality::WHOLE },
             "36 ms, where 80 and 320 are too many"
         );
-        // A first frame is no measure for longer than there is no other.
+        // The first frame is used only until another is measured.
         control.record(Quality::FIRST, 2.0, false);
         assert_eq!(control.moving(none), Quality::WHOLE);
     }

@@ -1,14 +1,14 @@
-//! The thread that draws the scene, with the same painters as `diffract render`.
+//! Thread that draws the scene, with the same renderers as `diffract render`.
 
 use super::frame::FrameRequest;
+use super::frame_renderer::FrameRenderer;
 use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply};
-use super::renderer::Renderer;
 use crate::error::{Error, Result};
 use crate::vk::device::Device;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-/// The render thread. Dropping it ends the thread and waits for it.
+/// Handle of the render thread. Dropping it ends the thread and waits for it.
 pub struct RenderThread {
     queue: Arc<JobQueue>,
     thread: Option<JoinHandle<()>>,
@@ -18,28 +18,28 @@ impl RenderThread {
     /// Starts a thread that draws on `device` and sends its replies to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(device: &Arc<Device>, reply: impl Fn(RenderReply) + Send + 'static) -> Result<Self> {
         let queue = Arc::<JobQueue>::default();
         let (tasks, device) = (queue.clone(), device.clone());
-        let work = move || Renderer::new(device).run(&tasks, &reply);
+        let work = move || FrameRenderer::new(device).run(&tasks, &reply);
         let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(work).map_err(|e| {
             Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }
 
-    /// Requests a frame; it replaces the request before it.
+    /// Requests a frame; it replaces the previous request.
     pub fn request(&self, request: FrameRequest) {
         self.queue.update(|pending| pending.frame = Some(request));
     }
 
-    /// Lets the window go before the next tile, or goes on with it.
+    /// Gives the window priority over the next tile, or takes it back.
     pub fn give_way(&self, window_first: bool) {
         self.queue.update(|pending| pending.window_first = window_first);
     }
 
-    /// Requests a pixel of the frame that was drawn last; it replaces the request before it.
+    /// Requests a pixel of the last frame drawn; it replaces the previous request.
     pub fn read_pixel(&self, request: PixelRequest) {
         self.queue.update(|pending| pending.pixel = Some(request));
     }

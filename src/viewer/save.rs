@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-/// The first path of `diffract-001`, `diffract-002` … in `folder` that exists neither as PNG nor as EXR, without extension.
+/// Returns the first path of `diffract-001`, `diffract-002` … in `folder` that exists neither as PNG nor as EXR,
+/// without extension.
 pub fn free_name(folder: &Path) -> PathBuf {
     let name = |number: u32| folder.join(format!("diffract-{number:03}"));
     let free = |path: &PathBuf| ["png", "exr"].iter().all(|e| !path.with_extension(e).exists());
     (1..).map(name).find(free).unwrap_or_else(|| name(0))
 }
 
-/// The first path of `diffract-turn-001`, `diffract-turn-002` … in `folder` that does not exist.
+/// Returns the first path of `diffract-turn-001`, `diffract-turn-002` … in `folder` that does not exist.
 pub fn free_folder(folder: &Path) -> PathBuf {
     let name = |number: u32| folder.join(format!("diffract-turn-{number:03}"));
     (1..).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(0))

@@ -1,4 +1,4 @@
-//! The user's settings, and what a change of them requires.
+//! Settings of the user, and the work that a change of them requires.
 
 use crate::budget::Purpose;
 use crate::error::Result;
@@ -15,12 +15,12 @@ use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::SurfaceSource;
 use glam::Vec3;
 
-/// How the diffraction is computed.
+/// Settings of the computation of diffraction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OpticsSettings {
     /// Positions of the coherence window.
     pub windows: Windows,
-    /// The expansion.
+    /// Expansion.
     pub basis: Basis,
     /// Accepted relative error.
     pub tolerance: f64,
@@ -30,7 +30,7 @@ pub struct OpticsSettings {
     pub wavelengths: Option<usize>,
 }
 
-/// Everything that determines the picture except its size.
+/// All settings that determine the picture, except its size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSettings {
     /// Name of the scene.
@@ -39,71 +39,64 @@ pub struct ViewSettings {
     pub surface: SurfaceSource,
     /// The optics.
     pub optics: OpticsSettings,
-    /// What surrounds the patch.
+    /// Coherence of the light on the surface.
     pub coherence: Coherence,
-    /// How the surface goes on beyond the patch.
+    /// Continuation of the surface beyond the patch.
     pub beyond: Beyond,
-    /// What the surface reflects.
+    /// Reflectance of the surface.
     pub reflectance: Reflectance,
     /// Spectrum of the light: a name or a file.
     pub illuminant: String,
     /// The lights.
     pub lights: Vec<Light>,
-    /// How the surroundings stand, where the scene has any.
+    /// Orientation and exposure of the surroundings, if the scene has any.
     pub surroundings: Placement,
     /// Exposure \[stops\].
     pub exposure: f64,
-    /// What the display makes of highlights.
+    /// Tone mapping of highlights.
     pub tone: Tone,
     /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
     /// The camera.
     pub camera: Camera,
-    /// Samples that each pixel of a still picture is the mean of.
+    /// Samples per pixel of a still picture.
     pub samples: u32,
 }
 
-/// What a scene brings beside mesh and camera.
+/// Settings that come with a scene, in addition to mesh and camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneSettings {
     /// The height field.
     pub surface: SurfaceSource,
-    /// What the surface reflects.
+    /// Reflectance of the surface.
     pub reflectance: Reflectance,
     /// The lights.
     pub lights: Vec<Light>,
-    /// How its surroundings stand, where it has any.
+    /// Orientation and exposure of the surroundings, if it has any.
     pub surroundings: Placement,
     /// Exposure \[stops\].
     pub exposure: f64,
-    /// What the display makes of highlights.
+    /// Tone mapping of highlights.
     pub tone: Tone,
     /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
 }
 
 impl SceneSettings {
-    /// What `scene` brings.
+    /// Returns the settings of `scene`.
     pub fn of(scene: &Scene) -> Self {
         Self {
-            surface: SurfaceSource {
-                name: scene.surface.clone(),
-                pixel_size: scene.pixel_size,
-                height: scene.full_height,
-                channel: None,
-                prepare: scene.prepare.clone(),
-                seed: 1,
-            },
-            reflectance: scene.reflectance.clone().unwrap_or_default(),
+            surface: scene.main_surface(),
+            reflectance: scene.main_object().reflectance.clone().unwrap_or_default(),
             lights: scene.lights.clone(),
             surroundings: placement(scene),
             exposure: scene.exposure,
             tone: scene.tone,
-            base_color: scene.base_color,
+            base_color: scene.main_object().base_color,
         }
     }
 
-    /// Puts all of it into `settings`.
+    /// Copies these settings into `settings`.
     pub fn put_into(&self, settings: &mut ViewSettings) {
         let Self { surface, reflectance, lights, surroundings, exposure, tone, base_color } = self.clone();
         (settings.surface, settings.reflectance, settings.lights) = (surface, reflectance, lights);
@@ -112,12 +105,12 @@ impl SceneSettings {
     }
 }
 
-/// How the surroundings of `scene` stand.
+/// Returns orientation and exposure of the surroundings of `scene`.
 pub fn placement(scene: &Scene) -> Placement {
     scene.environment.as_ref().map(|environment| environment.placement).unwrap_or_default()
 }
 
-/// What a change requires; each includes those before it.
+/// Work required by a change; each variant includes the earlier ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
     /// Nothing.
@@ -133,12 +126,12 @@ pub enum Needs {
 }
 
 impl ViewSettings {
-    /// What has to be renewed to go from `shown` to `self`.
+    /// Returns the work required to go from `shown` to `self`.
     pub fn needs(&self, shown: &Self) -> Needs {
         let optics = |s: &Self| {
             let of_lights: Vec<_> = s.lights.iter().map(|light| light.illuminant().cloned()).collect();
             let light = (s.coherence, s.illuminant.clone(), of_lights);
-            // What shading averages over.
+            // Part of the filter that shading averages over.
             let footprint = s.sampling().footprint();
             (s.surface.clone(), s.optics.clone(), s.beyond, s.reflectance.clone(), light, footprint)
         };
@@ -158,10 +151,10 @@ impl ViewSettings {
         }
     }
 
-    /// The settings for `render`, with `optics` in place of [`Self::optics`].
+    /// Returns the settings for `render`, with `optics` in place of [`Self::optics`].
     ///
     /// # Errors
-    /// When the file of the illuminant cannot be read.
+    /// Fails if the file of the illuminant cannot be read.
     pub fn shading(&self, optics: &OpticsSettings) -> Result<Shading> {
         Ok(Shading {
             coherence: self.coherence,
@@ -178,12 +171,12 @@ impl ViewSettings {
         })
     }
 
-    /// The samples of a still picture. A seed that chooses the surface chooses them, too.
+    /// Returns the samples of a still picture. The seed of the surface is also the seed of the samples.
     pub fn sampling(&self) -> Sampling {
         Sampling { count: self.samples.max(1), seed: self.surface.seed }
     }
 
-    /// Replaces what `old` has brought by what `new` brings, and keeps what the user has set since.
+    /// Replaces the settings that came from `old` by those of `new`, and keeps those that the user has changed.
     pub fn change_scene(&mut self, old: &SceneSettings, new: &SceneSettings) {
         fn replace<T: Clone + PartialEq>(now: &mut T, old: &T, new: &T) {
             if now == old {
@@ -199,7 +192,7 @@ impl ViewSettings {
         replace(&mut self.base_color, &old.base_color, &new.base_color);
     }
 
-    /// Positions of the window: a finite grating stands at one place.
+    /// Returns the positions of the window; a finite grating has a single one.
     pub fn windows(&self, optics: &OpticsSettings) -> Windows {
         if self.repeats() { Windows::ONE } else { optics.windows }
     }
@@ -209,22 +202,24 @@ impl ViewSettings {
         if self.windows(optics) == Windows::All { Method::Table } else { Method::Spectral }
     }
 
-    /// The number of wavelengths that `optics` sets. Through repeats it has no effect: the wavelengths are those of the orders.
+    /// Returns the number of wavelengths set in `optics`. A finite grating ignores it: its wavelengths follow from its
+    /// orders.
     pub fn wavelengths(&self, optics: &OpticsSettings) -> Option<usize> {
         optics.wavelengths.filter(|_| !self.repeats())
     }
 
-    /// A vector as an option takes it, so that the same numbers are read again.
+    /// Formats a vector as an option value that reads back as the same numbers.
     pub fn triple(v: Vec3) -> String {
         format!("{},{},{}", v.x, v.y, v.z)
     }
 
-    /// Whether the coherence is a finite number of copies of the patch.
+    /// Returns true if the coherence is a finite number of copies of the patch.
     pub fn repeats(&self) -> bool {
         matches!(self.coherence, Coherence::Repeats(_))
     }
 
-    /// The camera as the options of a command line give it. They name the eye, so its angles differ in the last bits.
+    /// Returns the camera as the options of a command line describe it. They name the eye, so that its angles differ in
+    /// the last bits.
     pub fn shown_camera(&self, scene: &Scene) -> Camera {
         if self.camera == scene.camera {
             return self.camera;
@@ -238,18 +233,13 @@ impl ViewSettings {
 pub(crate) mod tests {
     use super::*;
     use crate::scene::light::LightSpectrum;
+    use crate::surface::synth::SurfaceKind;
 
-    /// One window of the plate's own surface, and its scene.
+    /// Returns settings for one window of the plate's surface, and its scene.
     pub(crate) fn settings() -> (ViewSettings, Scene) {
         let scene = Scene::open("plate").unwrap();
-        let surface = SurfaceSource {
-            name: scene.surface.clone(),
-            pixel_size: None,
-            height: None,
-            channel: None,
-            prepare: Vec::new(),
-            seed: 1,
-        };
+        let name = scene.main_surface().name;
+        let surface = SurfaceSource { name, ..SurfaceSource::built_in(SurfaceKind::Flat) };
         let optics = OpticsSettings {
             windows: Windows::ONE,
             basis: Basis::Taylor,
@@ -269,7 +259,7 @@ pub(crate) mod tests {
             surroundings: placement(&scene),
             exposure: scene.exposure,
             tone: scene.tone,
-            base_color: scene.base_color,
+            base_color: scene.main_object().base_color,
             camera: scene.camera,
             samples: 1,
         };
@@ -293,7 +283,7 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.surroundings.rotation += 5.0), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);
         let of_samples = |samples| ViewSettings { samples, ..shown.clone() };
-        // A single sample averages over the whole pixel filter, one of several over its part.
+        // A single sample averages over the whole pixel filter, one of several over a part of it.
         for other in [1, 9, 64] {
             assert_eq!(of_samples(16).needs(&of_samples(other)), Needs::Layers, "{other}");
         }
@@ -312,10 +302,7 @@ pub(crate) mod tests {
         assert_eq!(brought, [true; 3]);
         assert_eq!((s.exposure, s.tone, s.base_color), (new.exposure, new.tone, new.base_color));
         s.exposure += 1.0;
-        s.surface = SurfaceSource {
-            height: Some(0.3),
-            ..SurfaceSource::built_in(crate::surface::synth::SurfaceKind::Elaphe)
-        };
+        s.surface = SurfaceSource { height: Some(0.3), ..SurfaceSource::built_in(SurfaceKind::Elaphe) };
         s.base_color = Vec3::splat(0.25);
         let set = s.clone();
         s.change_scene(&new, &old);

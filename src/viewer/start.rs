@@ -1,4 +1,4 @@
-//! What the window starts with.
+//! Settings at the start of the window.
 
 use super::settings::{OpticsSettings, ViewSettings, placement};
 use crate::error::Result;
@@ -11,45 +11,46 @@ use crate::vk::selection::DeviceChoice;
 use ash::vk;
 use std::path::Path;
 
-/// Writes the command that draws the picture of settings of a scene. The words are the caller's.
+/// Writes the command that draws the picture of settings of a scene. Supplied by the caller.
 pub type CommandLine = fn(&ViewSettings, &Scene, &Output<'_>) -> String;
 
-/// What a command draws into files.
+/// Output files of a command.
 #[derive(Clone, Copy, Debug)]
 pub struct Output<'a> {
-    /// Pixels.
+    /// Size \[pixels\].
     pub size: [u32; 2],
-    /// The file; of a turntable, its name without numbers.
+    /// Path of the file; for a turntable, without the picture number.
     pub file: &'a str,
-    /// Pictures of a turntable, where it is one.
+    /// Number of pictures of a turntable, if it is one.
     pub turntable: Option<u32>,
 }
 
-/// The window that was closed last, and the files that were opened in it and before. Where and in which words they are kept is the caller's.
+/// State kept from earlier windows: the last settings, and the recently opened files. The caller supplies storage and
+/// format.
 #[derive(Clone, Copy, Debug)]
 pub struct LastView {
-    /// Whether there was one.
+    /// True if a window was kept.
     pub is_kept: bool,
     /// Keeps the settings of a scene for the next window.
     pub keep: fn(&ViewSettings, &Scene) -> Result<()>,
-    /// What a window that goes on with it starts with.
+    /// Returns the start settings of a window that restores the last one.
     pub open: fn() -> Result<Start>,
-    /// The files that were opened lately, the newest first.
+    /// Returns the recently opened files, newest first.
     pub recent: fn() -> Vec<String>,
-    /// Keeps the list of files that were opened lately.
+    /// Keeps the list of recently opened files.
     pub keep_recent: fn(&[String]) -> Result<()>,
 }
 
-/// Scene files with all that a window sets. The words of their options are the caller's.
+/// Reading and writing of scene files with all settings of a window. The caller supplies the format of their options.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneFiles {
-    /// What a window of the scene of this name starts with.
+    /// Returns the start settings of a window of the scene of this name.
     pub open: fn(&str) -> Result<Start>,
-    /// Writes settings of a scene as a scene file.
+    /// Writes the settings of a scene as a scene file.
     pub write: fn(&ViewSettings, &Scene, &Path) -> Result<()>,
 }
 
-/// The options of `diffract view`.
+/// Options of `diffract view`.
 #[derive(Clone, Debug)]
 pub struct Start {
     /// Name of the scene.
@@ -62,7 +63,7 @@ pub struct Start {
     pub surface: SurfaceSource,
     /// Positions of the coherence window.
     pub windows: Windows,
-    /// How the surface goes on beyond the patch.
+    /// Continuation of the surface beyond the patch.
     pub beyond: Beyond,
     /// The basis.
     pub basis: Basis,
@@ -72,36 +73,36 @@ pub struct Start {
     pub terms: Option<usize>,
     /// Number of wavelengths; `None` follows from the tolerance.
     pub wavelengths: Option<usize>,
-    /// What surrounds the patch.
+    /// Coherence of the light on the surface.
     pub coherence: Coherence,
-    /// What the surface reflects.
+    /// Reflectance of the surface.
     pub reflectance: Reflectance,
     /// Spectrum of the light: a name or a file.
     pub illuminant: String,
-    /// Whether the exposure is that which suits the first picture, instead of the scene's.
+    /// True if the exposure is measured on the first picture instead of taken from the scene.
     pub measures_exposure: bool,
     /// Size of the window \[points: pixels at a scale of 1\].
     pub size: [u32; 2],
-    /// Samples that each pixel of a still picture is the mean of.
+    /// Samples per pixel of a still picture.
     pub samples: u32,
-    /// Frames a second to keep while something moves.
+    /// Target frame rate while something moves \[frames per second\].
     pub fps: f64,
     /// Presentation mode.
     pub present: vk::PresentModeKHR,
     /// The device to use.
     pub device: DeviceChoice,
-    /// Whether to enable validation layers.
+    /// True to enable validation layers.
     pub validation: bool,
-    /// How the command of a saved picture is written.
+    /// Writes the command of a saved picture.
     pub command_line: CommandLine,
     /// Scene files.
     pub scenes: SceneFiles,
-    /// The window that was closed last.
+    /// Last window, which can be restored.
     pub last: LastView,
 }
 
 impl Start {
-    /// The settings to start with.
+    /// Returns the settings to start with.
     pub fn settings(&self) -> ViewSettings {
         ViewSettings {
             scene: self.name.clone(),
@@ -121,7 +122,7 @@ impl Start {
             surroundings: placement(&self.scene),
             exposure: self.scene.exposure,
             tone: self.scene.tone,
-            base_color: self.scene.base_color,
+            base_color: self.scene.main_object().base_color,
             camera: self.scene.camera,
             samples: self.samples,
         }

@@ -2,9 +2,9 @@
 
 use egui::{Color32, Context, CornerRadius, FontFamily, FontId, Stroke, TextStyle, Theme, Visuals, vec2};
 
-/// Behind the panel.
+/// Background of the panel.
 pub const PANEL: Color32 = Color32::from_rgb(24, 26, 30);
-/// Behind graphs and fields.
+/// Background of graphs and fields.
 pub const WELL: Color32 = Color32::from_rgb(15, 17, 20);
 /// Lines of graphs and separators.
 pub const GRID: Color32 = Color32::from_rgb(42, 46, 53);
@@ -12,22 +12,22 @@ pub const GRID: Color32 = Color32::from_rgb(42, 46, 53);
 pub const TEXT: Color32 = Color32::from_rgb(208, 212, 218);
 /// Labels.
 pub const FAINT: Color32 = Color32::from_rgb(140, 147, 158);
-/// Headings, what is chosen.
+/// Headings and selected items.
 pub const ACCENT: Color32 = Color32::from_rgb(94, 190, 196);
-/// The thesis' frame rates.
+/// Band of the thesis' frame rates.
 pub const BAND: Color32 = Color32::from_rgb(44, 40, 28);
-/// Their name.
+/// Label of that band.
 pub const BAND_TEXT: Color32 = Color32::from_rgb(150, 132, 88);
 /// Faster than the thesis.
 pub const GOOD: Color32 = Color32::from_rgb(82, 168, 128);
-/// As fast as the thesis.
+/// Frame rates of the thesis.
 pub const FAIR: Color32 = Color32::from_rgb(206, 164, 82);
-/// Slower than the thesis; what went wrong.
+/// Slower than the thesis; errors.
 pub const POOR: Color32 = Color32::from_rgb(210, 104, 92);
-/// Behind text on the picture.
+/// Background of text on the picture.
 pub const GLASS: Color32 = Color32::from_rgba_premultiplied(10, 11, 13, 190);
 
-/// Gives `context` the program's look.
+/// Applies the colours and sizes to `context`.
 pub fn apply(context: &Context) {
     context.set_theme(Theme::Dark);
     let mut visuals = Visuals::dark();

@@ -1,4 +1,4 @@
-//! The window of the surface pane.
+//! Window of the surface pane.
 
 use super::surface_pane::analysis::{Analysis, height_at, profile};
 use super::surface_pane::directions::{direction, period, visible};
@@ -16,19 +16,19 @@ use egui::{
 use glam::DVec2;
 use std::sync::Arc;
 
-/// Width of a column, height of curves \[points\].
+/// Width of a column, and height of curves \[points\].
 const COLUMN: f32 = 300.0;
 const CURVE: f32 = 96.0;
-/// Height at which all of it is seen where it is wide enough \[points\].
+/// Height at which a wide pane is visible as a whole \[points\].
 const TALL: f32 = 520.0;
-/// Decades of power below its peak that are shown.
+/// Displayed decades of power below its peak.
 const DECADES: f64 = 7.0;
-/// The line of the profile, and what is marked.
+/// Colour of the profile line and of marks.
 const LINE: Color32 = Color32::from_rgb(255, 140, 90);
-/// A mark within this distance is on the line \[points\].
+/// Distance within which a mark belongs to the line \[points\].
 const NEAR: f32 = 8.0;
 
-/// What light and inspector say beside the surface.
+/// Data of the light and of the inspected pixel for the plots.
 #[derive(Clone, Copy)]
 struct LightOverSurface {
     /// Horizontal part of the direction to the light.
@@ -37,7 +37,7 @@ struct LightOverSurface {
     inspected: Option<DVec2>,
 }
 
-/// Shows the pane over the picture in `rect`, if it is open.
+/// Shows the pane over the picture in `rect` if it is open.
 pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
     if !model.surface_pane.open {
         return;
@@ -94,12 +94,12 @@ fn contents(ui: &mut Ui, pane: &mut SurfacePane, light: LightOverSurface, is_wid
     }
     if pane.pointed != pointed {
         pane.pointed = pointed;
-        // What was drawn before the pointer was found shows its mark at the next pass.
+        // Plots drawn before the pointer was found show the mark at the next pass.
         ui.ctx().request_repaint();
     }
 }
 
-/// The heights, and the profile below them.
+/// Shows the heights and the profile below them.
 fn surface(ui: &mut Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>, pointed: &mut Option<Pointed>) {
     ui.horizontal(|ui| {
         for (shown, name) in [(ShownPane::Heights, "heights"), (ShownPane::Relief, "relief")] {
@@ -148,13 +148,13 @@ fn surface(ui: &mut Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>, pointe
     ui.label(RichText::new(text).color(style::FAINT)).on_hover_text(tips::PROFILE.tip);
 }
 
-/// The middle row, from left to right.
+/// Returns the ends of the middle row, from left to right.
 fn middle(analysis: &Analysis) -> [[f64; 2]; 2] {
     let half = analysis.field.patch_size()[0] / 2.0;
     [[-half, 0.0], [half, 0.0]]
 }
 
-/// The picture of the heights, on which the line of the profile is drawn.
+/// Shows the picture of the heights, in which the profile line is drawn.
 fn heights(
     ui: &mut Ui,
     pane: &mut SurfacePane,
@@ -163,7 +163,7 @@ fn heights(
     pointed: &mut Option<Pointed>,
 ) -> Axes {
     let [width, height] = analysis.field.patch_size();
-    // As tall as its shape asks for, within a square.
+    // Height from the aspect ratio, within a square.
     let across = COLUMN.min(ui.available_width()) - LEFT;
     let tall = (across * (height / width) as f32).clamp(40.0, across);
     let (mut axes, response, painter) =
@@ -209,7 +209,7 @@ fn heights(
     axes
 }
 
-/// How far along `line` a `place` near it is.
+/// Returns the distance along `line` of a `place` near it.
 fn along(axes: &Axes, line: [[f64; 2]; 2], place: [f64; 2]) -> Option<f64> {
     let [from, to, at] = [line[0], line[1], place].map(DVec2::from);
     let axis = (to - from).normalize_or_zero();
@@ -218,7 +218,7 @@ fn along(axes: &Axes, line: [[f64; 2]; 2], place: [f64; 2]) -> Option<f64> {
     ((axes.place(foot) - axes.place(place)).length() < NEAR).then_some(distance)
 }
 
-/// Draws the crests of a wave of this frequency, where they are far enough apart to be told.
+/// Draws the crests of a wave of this frequency if they are far enough apart to be visible.
 fn stripes(painter: &Painter, axes: Axes, frequency: DVec2) {
     const CLOSEST: f32 = 4.0;
     let painter = painter.with_clip_rect(axes.rect.intersect(painter.clip_rect()));
@@ -237,7 +237,7 @@ fn stripes(painter: &Painter, axes: Axes, frequency: DVec2) {
     }
 }
 
-/// The power spectrum, and the distribution of heights below it.
+/// Shows the power spectrum and the distribution of heights below it.
 fn spectrum(
     ui: &mut Ui,
     pane: &mut SurfacePane,
@@ -313,7 +313,7 @@ fn distribution(ui: &mut Ui, analysis: &Analysis) {
     ui.label(RichText::new(text).color(style::FAINT)).on_hover_text(tips::HISTOGRAM.tip);
 }
 
-/// Room for a plot `height` points high with its axes.
+/// Allocates a plot `height` points high with its axes.
 fn plot(ui: &mut Ui, height: f32, x: [f64; 2], y: [f64; 2]) -> (Axes, Response, Painter) {
     let size = vec2(COLUMN.min(ui.available_width()), height);
     let (whole, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -321,7 +321,7 @@ fn plot(ui: &mut Ui, height: f32, x: [f64; 2], y: [f64; 2]) -> (Axes, Response, 
     (Axes { rect, x, y }, response, ui.painter_at(whole))
 }
 
-/// Writes `text` into the lower edge of a picture.
+/// Writes `text` at the lower edge of a picture.
 fn readout(painter: &Painter, rect: Rect, text: &str) {
     let galley =
         painter.layout(text.to_owned(), egui::FontId::proportional(11.0), style::TEXT, rect.width() - 8.0);
@@ -330,7 +330,7 @@ fn readout(painter: &Painter, rect: Rect, text: &str) {
     painter.galley(ground.min + vec2(4.0, 2.0), galley, style::TEXT);
 }
 
-/// The textures of the heights and of the power spectrum.
+/// Returns the textures of the heights and of the power spectrum.
 fn pictures(ui: &Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>) -> [TextureHandle; 2] {
     let is_known =
         |known: &&SurfacePictures| Arc::ptr_eq(&known.analysis, analysis) && known.shown == pane.shown;
@@ -375,7 +375,7 @@ mod tests {
     use crate::viewer::hand::Hand;
     use egui::Key;
 
-    /// A sinusoid along x of 1.25 µm and 100 nm, on 10 µm × 5 µm.
+    /// Makes a sinusoid along x of 1.25 µm and 100 nm, on 10 µm × 5 µm.
     fn hand(size: [f32; 2], scale: f32) -> Hand {
         let wave = |x: f64, _: f64| 0.1 * (std::f64::consts::TAU * x / 1.25).sin();
         let field = Arc::new(HeightField::from_fn(200, 100, [0.05; 2], wave).unwrap());
@@ -416,7 +416,7 @@ mod tests {
     #[test]
     fn a_line_is_drawn_and_what_is_pointed_at_in_one_is_marked_in_the_others() {
         let mut hand = hand([1300.0, 850.0], 1.0);
-        // The picture of the heights stands below the row that begins with its name, behind the axis.
+        // The picture of the heights is below the row that begins with its name, right of the axis.
         let corner = hand.find("heights") + vec2(LEFT - 20.0, 14.0);
         let (from, to) = (corner + vec2(60.0, 30.0), corner + vec2(160.0, 70.0));
         hand.drag(from, to);
@@ -427,7 +427,7 @@ mod tests {
         hand.point(from.lerp(to, 0.5));
         assert!(matches!(hand.model.surface_pane.pointed, Some(Pointed::Place(_))));
         assert!(hand.says("x ") && hand.says("from the start"), "the profile tells the place");
-        // In the spectrum: a period and where it is seen.
+        // In the spectrum: a period and its direction.
         let spectrum = hand.find("orders of") + vec2(-60.0, 120.0);
         hand.point(spectrum);
         let frequency = hand.model.surface_pane.pointed_frequency().expect("a frequency");

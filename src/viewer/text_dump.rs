@@ -1,7 +1,7 @@
 //! Writes every text of the window with its position, so that tests can find a button and press it.
 //!
-//! If `DIFFRACT_WORDS` names a file, the file holds a line for each text, the last drawn first: x and y of its middle in pixels
-//! from the upper left, and the text.
+//! If `DIFFRACT_WORDS` names a file, the file contains a line for each text, the last drawn first: x and y of its
+//! centre in pixels from the upper left, and the text.
 
 use egui::Shape;
 use egui::epaint::ClippedShape;
@@ -11,14 +11,14 @@ use std::path::PathBuf;
 /// Name of the environment variable.
 const VARIABLE: &str = "DIFFRACT_WORDS";
 
-/// The file and its content.
+/// File and its contents.
 pub struct TextDump {
     path: PathBuf,
     written: String,
 }
 
 impl TextDump {
-    /// The dump that the environment asks for, if any.
+    /// Returns the dump to the file named in the environment, if any.
     pub fn from_environment() -> Option<Self> {
         let path = std::env::var_os(VARIABLE).filter(|path| !path.is_empty())?;
         Some(Self { path: path.into(), written: String::new() })
@@ -38,7 +38,8 @@ impl TextDump {
         }
         if texts != self.written {
             let draft = self.path.with_extension("draft");
-            // Renamed into place, so that readers never see half a file. If it cannot be written, the test that waits for it fails.
+            // Renamed into place, so that readers never see a partial file. If it cannot be written, the test that
+            // waits for it fails.
             if std::fs::write(&draft, &texts).and_then(|()| std::fs::rename(&draft, &self.path)).is_ok() {
                 self.written = texts;
             }

@@ -1,4 +1,4 @@
-//! The open window: it runs the panel, asks the background threads for what has changed, and presents what they return.
+//! Open window: runs the panel, sends requests to the background threads, and presents their results.
 
 mod actions;
 mod recording;
@@ -22,7 +22,7 @@ use super::worker::Worker;
 use super::{layout, style};
 use crate::error::{Error, Remedy, Result};
 use crate::render::frame::View;
-use crate::render::window::PicturePlace;
+use crate::render::window_pass::PicturePlace;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -42,36 +42,36 @@ use winit::window::Window;
 /// Camera and lights count as moving until they have not changed for this long.
 const MOTION_TIMEOUT: Duration = Duration::from_millis(160);
 
-/// After a frame the driver's own thread may read from the display's connection and swallow the wake-up of the event loop.
+/// After a frame the driver's thread may read from the display's connection and swallow the wake-up of the event loop.
 /// For [`POLL_PERIOD`] after each frame the loop therefore polls every [`POLL_INTERVAL`].
 const POLL_PERIOD: Duration = Duration::from_millis(500);
 const POLL_INTERVAL: Duration = Duration::from_millis(8);
 
-/// A picture that the render thread is drawing for a file.
+/// Picture that the render thread draws for a file.
 struct PendingSave {
     // Path without its extension.
     stem: PathBuf,
     with_exr: bool,
     command: String,
-    // Whether it is one of a turntable.
+    // True if it belongs to a turntable.
     is_recorded: bool,
 }
 
-/// The background threads. The order of the fields is the order in which they end.
+/// Background threads. The order of the fields is the order in which they end.
 struct Threads {
     probe: Option<ErrorProbe>,
-    // While the inspector is open.
+    // Running while the inspector is open.
     inspector: Option<DirectionReference>,
     render: RenderThread,
     worker: Worker,
 }
 
-/// egui and what it left to draw.
+/// State of egui, and its output to draw.
 struct WindowGui {
     state: egui_winit::State,
     context: egui::Context,
     paint_jobs: PaintJobs,
-    // For tests.
+    // Used by tests.
     text_dump: Option<TextDump>,
 }
 
@@ -100,59 +100,59 @@ impl Drop for WindowGui {
     }
 }
 
-/// The last request for a role of the worker.
+/// Last request for a role of the worker.
 struct PreparationRequest {
     number: u64,
     settings: ViewSettings,
 }
 
-/// What was requested of the background threads last.
+/// Last requests to the background threads.
 #[derive(Default)]
 struct Requested {
-    // The number of the newest preparation request.
+    // Number of the newest preparation request.
     number: u64,
     // By role.
     preparations: [Option<PreparationRequest>; ROLES],
     frame: Option<FrameRequest>,
-    // The pixel of the frame that is shown.
+    // Inspected pixel of the displayed frame.
     pixel: Option<[u32; 2]>,
-    // What the user's own source is fine enough for, as soon as it is ready.
+    // View that the main source is fine enough for, as soon as it is ready.
     seen: Option<Seen>,
-    // The height field that is analysed for the surface pane.
+    // Height field that is analysed for the surface pane.
     analysis: Option<Arc<HeightField>>,
 }
 
-/// A picture as it is seen.
+/// View and size of a picture.
 #[derive(PartialEq)]
 struct Seen {
     view: View,
     size: [u32; 2],
 }
 
-/// How camera and lights moved lately.
+/// Recent motion of camera and lights.
 struct RecentMotion {
-    // The settings after the last change, and its time.
+    // Settings after the last change, and its time.
     last: ViewSettings,
     changed: Option<Instant>,
     // `Pacing::continuous` at the last pass.
     continuous: bool,
 }
 
-/// A surface that a step in a folder has led to.
+/// Surface opened by a step in a folder.
 struct Tried {
     path: PathBuf,
-    // The surface before it.
+    // Previous surface.
     from: OsString,
 }
 
-/// When to draw without an event.
+/// Times of the next wake-up and of the last frame.
 struct Schedule {
     wake: Option<Instant>,
-    // When the last frame was presented.
+    // Time at which the last frame was presented.
     presented: Instant,
 }
 
-/// Everything behind an open window. The order of the fields is the order of destruction: threads first.
+/// State of an open window. The order of the fields is the order of destruction: threads first.
 pub struct ViewerWindow {
     threads: Threads,
     model: Model,
@@ -173,7 +173,7 @@ pub struct ViewerWindow {
 }
 
 impl ViewerWindow {
-    /// Opens the device, starts the threads. `instance` receives the instance even if the rest fails.
+    /// Opens the device and starts the threads. `instance` receives the instance even if the rest fails.
     pub fn new(
         start: &Start,
         window: Arc<Window>,
@@ -216,12 +216,13 @@ impl ViewerWindow {
         opened.model.file_choice = FileChoice::with_recent((start.last.recent)());
         opened.model.sources.pigment = Some(Arc::new(Prepared::pigment_alone()?));
         opened.set_title();
-        // The first pass requests the source: by then the size of the picture is known, which sets how fine it has to be.
+        // The first pass requests the source, because it knows the size of the picture, which sets the resolution of
+        // the source.
         opened.window.request_redraw();
         Ok(opened)
     }
 
-    /// An event of the window.
+    /// Handles an event of the window.
     pub fn event(&mut self, event: &WindowEvent) {
         match event {
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
@@ -234,8 +235,8 @@ impl ViewerWindow {
             }
             _ => {}
         }
-        // The panel runs before and after each press and release. If it ran once a frame only, it would miss clicks and drags
-        // that are shorter than a frame.
+        // The panel runs before and after each press and release. Run once per frame, it would miss clicks and drags
+        // shorter than a frame.
         let button = matches!(event, WindowEvent::MouseInput { .. });
         if button {
             self.pass();
@@ -249,48 +250,48 @@ impl ViewerWindow {
         }
     }
 
-    /// Whether the user has closed the window.
+    /// Returns true if the user has closed the window.
     pub fn closes(&self) -> bool {
         self.model.actions.close
     }
 
-    /// Keeps what is shown for the next window, if anything was set in this one.
+    /// Keeps the displayed settings for the next window, if anything was set in this one.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// Fails if the settings cannot be written.
     pub fn keep(&self) -> Result<()> {
         if self.model.is_untouched() {
             return Ok(());
         }
-        // A scene that is still being opened is not the one that the options are of.
+        // The options belong to the displayed scene, not to one that is still being opened.
         let scene = self.model.applied.scene.clone();
         let settings = ViewSettings { scene, ..self.model.settings.clone() };
         (self.last.keep)(&settings, &self.model.loaded.scene)
     }
 
-    /// The command that draws what is shown.
+    /// Returns the command that draws the displayed picture.
     pub fn command(&self) -> String {
         let size = self.model.size.map(|n| n.max(1));
         self.command_line(&Output { size, file: "picture.png", turntable: None })
     }
 
-    /// The command that draws what is shown into `output`.
+    /// Returns the command that draws the displayed picture into `output`.
     fn command_line(&self, output: &Output<'_>) -> String {
         (self.write_command)(&self.model.shown(), &self.model.loaded.scene, output)
     }
 
-    /// When a frame has to be drawn even without an event.
+    /// Returns the time at which a frame has to be drawn even without an event.
     pub fn wake(&self) -> Option<Instant> {
         self.schedule.wake
     }
 
-    /// When to poll for events next; see [`POLL_PERIOD`].
+    /// Returns the time of the next poll for events; see [`POLL_PERIOD`].
     pub fn poll(&self) -> Option<Instant> {
         let now = Instant::now();
         (now < self.schedule.presented + POLL_PERIOD).then(|| now + POLL_INTERVAL)
     }
 
-    /// Asks for a frame.
+    /// Requests a redraw.
     pub fn request_redraw(&mut self) {
         self.schedule.wake = None;
         self.window.request_redraw();
@@ -311,7 +312,7 @@ impl ViewerWindow {
         Ok(())
     }
 
-    /// Runs the panel on the events since the last pass, and acts on what changed.
+    /// Runs the panel on the events since the last pass, and handles changes.
     fn pass(&mut self) {
         let input = self.gui.state.take_egui_input(&self.window);
         self.model.device.memory = self.device.memory_in_use();
@@ -329,7 +330,7 @@ impl ViewerWindow {
         }
         self.model.size = [picture.width(), picture.height()].map(|n| (n.max(0.0) * scale).round() as u32);
         if self.model.fit_view() {
-            // A view that follows the window is no motion.
+            // A view that follows the window does not count as motion.
             self.motion.last.camera = self.model.settings.camera;
             self.window.request_redraw();
         }
@@ -355,7 +356,7 @@ impl ViewerWindow {
         };
     }
 
-    /// Carries out the user's actions and requests what has changed.
+    /// Executes the user's actions and sends requests for changes.
     fn act(&mut self) {
         let actions = std::mem::take(&mut self.model.actions);
         self.model.actions.close = actions.close;
@@ -371,7 +372,7 @@ impl ViewerWindow {
         self.analyse();
     }
 
-    /// Decides whether camera or lights are moving.
+    /// Decides if camera or lights are moving.
     fn track_motion(&mut self) {
         let now = Instant::now();
         let (new, old) = (&self.model.settings, &self.motion.last);
@@ -409,7 +410,7 @@ impl Threads {
     }
 }
 
-/// The title: what is shown, and what is not shown yet.
+/// Returns the title: the displayed scene and surface, and those in preparation.
 fn title(model: &Model) -> String {
     let short = |name: &Path| name.file_name().unwrap_or(name.as_os_str()).to_string_lossy().into_owned();
     let [shown, wanted] =
@@ -423,7 +424,7 @@ fn title(model: &Model) -> String {
     }
 }
 
-/// The pictures to present and their place in the window.
+/// Returns the pictures to present and their positions in the window.
 fn pictures(model: &Model) -> Option<ShownPictures<'_>> {
     let frame = model.frame.as_ref()?;
     let pair = |n: [u32; 2]| n.map(|n| n as f32);

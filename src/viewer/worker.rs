@@ -1,4 +1,4 @@
-//! The thread that prepares sources. Requests of one role replace each other; the user's own goes first.
+//! Thread that prepares sources. Requests of one role replace each other; the main setting goes first.
 
 use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
@@ -19,18 +19,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-/// What to prepare.
+/// Request for a source.
 #[derive(Clone)]
 pub struct Request {
-    /// What it is for.
+    /// Purpose.
     pub role: Role,
-    /// A number larger than that of any request before.
+    /// Number, larger than that of any earlier request.
     pub number: u64,
-    /// The height field.
+    /// Height field.
     pub surface: SurfaceSource,
-    /// The settings. Footprints of 0 are replaced by those that the picture has.
+    /// Settings. Footprints of 0 are replaced by those of the picture.
     pub settings: setup::Settings,
-    /// The picture that it is for, whose footprints set how fine the source has to be.
+    /// Picture it is for, whose footprints set the resolution of the source.
     pub picture: Option<RequestedPicture>,
 }
 
@@ -39,15 +39,15 @@ pub struct Request {
 pub struct RequestedPicture {
     /// The scene.
     pub loaded: Arc<LoadedScene>,
-    /// What is seen of it in each picture.
+    /// View of each picture.
     pub views: Vec<View>,
-    /// Pixels.
+    /// Size \[pixels\].
     pub size: [u32; 2],
-    /// Samples of each pixel.
+    /// Samples per pixel.
     pub sampling: Sampling,
 }
 
-/// What the worker reports.
+/// Reply of the worker.
 pub enum WorkerReply {
     /// `done` of `of` steps are done.
     Progress {
@@ -55,25 +55,25 @@ pub enum WorkerReply {
         role: Role,
         /// Steps done.
         done: usize,
-        /// Steps in total, as far as is known.
+        /// Steps in total, as far as known.
         of: usize,
     },
-    /// The height field of the user's own picture was read; its spectra may take their time.
+    /// The height field of the main picture was read; its spectra may take longer.
     Field(Arc<HeightField>),
-    /// A setting is ready, with a note for the user if there is one.
+    /// A setting is ready, with an optional note for the user.
     Ready(Role, Arc<Prepared>, Option<Error>),
     /// The request of this number failed.
     Failed(Role, u64, Error),
 }
 
-/// A request that is not done.
+/// Request that is not done.
 struct Waiting {
     request: Request,
-    // Whether it was begun and gave way, so that it is known to take its time.
+    // True if it was begun and interrupted, so that it is known to take long.
     begun: bool,
 }
 
-/// The newest request of each role, shared between the window's thread and the worker.
+/// Newest request of each role, shared between the window's thread and the worker.
 #[derive(Default)]
 struct RequestQueue {
     requests: Mutex<[Option<Waiting>; ROLES]>,
@@ -90,14 +90,15 @@ impl RequestQueue {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Waits for the most urgent request; `None` when the worker is to end.
+    /// Waits for the most urgent request; `None` if the worker is to end.
     fn next(&self) -> Option<Request> {
         let mut requests = self.requests();
         loop {
             if self.is_stopped() {
                 return None;
             }
-            // The user's own is begun before its preview, because it may be in the cache; otherwise it gives way at its first step.
+            // The main setting is begun before its preview, because it may be in the cache; otherwise it gives way at
+            // its first step.
             let own = requests[Role::Own as usize].take_if(|waiting| !waiting.begun);
             if let Some(waiting) = own.or_else(|| requests.iter_mut().find_map(Option::take)) {
                 return Some(waiting.request);
@@ -106,7 +107,8 @@ impl RequestQueue {
         }
     }
 
-    /// Whether to abandon work for `role`, because the worker is to end or a request at least as urgent waits.
+    /// Returns true if work for `role` is to be abandoned, because the worker is to end or a request at least as urgent
+    /// waits.
     fn interrupts(&self, role: Role) -> bool {
         self.is_stopped() || self.requests()[..=role as usize].iter().any(Option::is_some)
     }
@@ -123,17 +125,18 @@ impl RequestQueue {
     }
 }
 
-/// The worker thread. Dropping it ends the thread and waits for it.
+/// Handle of the worker thread. Dropping it ends the thread and waits for it.
 pub struct Worker {
     queue: Arc<RequestQueue>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Worker {
-    /// Starts a thread that prepares sources for a device of these `limits`, bakes tables on `device`, and sends its replies to `reply`.
+    /// Starts a thread that prepares sources for a device of these `limits`, bakes tables on `device`, and sends its
+    /// replies to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(
         limits: &Candidate,
         device: Option<Arc<Device>>,
@@ -176,15 +179,15 @@ impl Drop for Worker {
     }
 }
 
-/// What the worker thread owns.
+/// State of the worker thread.
 struct Preparer {
     limits: Candidate,
     device: Option<Arc<Device>>,
-    // The last height field, for requests that share it.
+    // Last height field, for requests that share it.
     field: Option<(SurfaceSource, Arc<HeightField>)>,
-    // The shape of the last height field that was measured.
+    // Relief of the last height field that was measured.
     relief: Option<(Arc<HeightField>, Relief)>,
-    // Those of the scene's other objects.
+    // Height fields of the scene's other objects.
     of_objects: Vec<(SurfaceSource, Arc<HeightField>)>,
     in_use: InUse,
 }
@@ -214,7 +217,7 @@ impl Preparer {
         }
     }
 
-    /// The source of `request`, with a note for the user if the cache could not keep it.
+    /// Makes the source of `request`, with a note for the user if the cache could not keep it.
     fn prepare(
         &mut self,
         request: &Request,
@@ -230,7 +233,7 @@ impl Preparer {
         let (sources, others) = match &request.picture {
             Some(picture) => {
                 let scene = &picture.loaded.scene;
-                let sources = self.object(&own, &scene.mesh, picture, &mut note, progress)?;
+                let sources = self.object(&own, &scene.main_object().mesh, picture, &mut note, progress)?;
                 (sources, self.others(request, &field, picture, progress)?)
             }
             None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
@@ -242,7 +245,7 @@ impl Preparer {
         Ok((Arc::new(prepared), note))
     }
 
-    /// Returns the shape of `field`, measured once for each field, and for the user's own picture alone.
+    /// Returns the relief of `field`, measured once per field, and only for the main picture.
     fn relief(&mut self, field: &Arc<HeightField>, role: Role) -> Option<Relief> {
         if let Some((of, relief)) = &self.relief
             && Arc::ptr_eq(of, field)
@@ -254,7 +257,7 @@ impl Preparer {
         Some(measured)
     }
 
-    /// What the objects beside the first of a scene are shaded from.
+    /// Makes the sources of the further objects of a scene, after the first.
     fn others(
         &mut self,
         request: &Request,
@@ -274,16 +277,16 @@ impl Preparer {
         };
         let surfaces = ObjectSurface::of(scene, field, &request.settings, &mut load);
         known.retain(|(surface, _)| {
-            scene.objects.iter().any(|object| object.surface.as_ref() == Some(surface))
+            scene.objects.iter().skip(1).any(|object| object.surface.as_ref() == Some(surface))
         });
         self.of_objects = known;
-        let others = surfaces?.into_iter().skip(1).zip(&scene.objects);
+        let others = surfaces?.into_iter().zip(&scene.objects).skip(1);
         others
             .map(|(surface, object)| self.object(&surface, &object.mesh, picture, &mut None, progress))
             .collect()
     }
 
-    /// What an object with this `surface` and `mesh` is shaded from. The last `note` for the user stays.
+    /// Makes the sources of an object with this `surface` and `mesh`. The last `note` for the user is kept.
     fn object(
         &mut self,
         surface: &ObjectSurface,
@@ -302,7 +305,7 @@ impl Preparer {
         surface.sources(views, &mut |own| self.source(own, note, progress))
     }
 
-    /// The source of `surface` under one illuminant.
+    /// Makes the source of `surface` under one illuminant.
     fn source(
         &mut self,
         surface: &ObjectSurface,

@@ -1,35 +1,35 @@
-//! The one table of accesses: what a pass does with a resource, as stage, memory access and image layout. Every barrier
-//! is made from two of its rows.
+//! Table of accesses: stages, memory accesses and image layout of each use of a resource. Every barrier is made from
+//! two of its rows.
 
 use ash::vk;
 
-/// How a resource is used by a pass.
+/// Use of a resource by a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Nothing yet; contents are undefined.
+    /// No use yet; contents are undefined.
     Nothing,
-    /// Copied into.
+    /// Destination of a copy.
     TransferWrite,
-    /// Copied from.
+    /// Source of a copy.
     TransferRead,
-    /// Drawn into as a colour attachment.
+    /// Colour attachment that is drawn into.
     ColorAttachment,
-    /// Tested and written as the attachment of depth, and of the stencil where the format has one.
+    /// Depth attachment that is tested and written, with the stencil if the format has one.
     DepthAttachment,
-    /// Sampled or read by vertex, fragment or compute shaders.
+    /// Texture or buffer that vertex, fragment or compute shaders read.
     ShaderRead,
-    /// Written by a compute shader.
+    /// Buffer that a compute shader writes.
     ComputeWrite,
-    /// Read as vertices and indices.
+    /// Vertices and indices.
     VertexRead,
-    /// Read by the host after the work is done.
+    /// Buffer that the host reads after the work is done.
     HostRead,
-    /// Shown in a window.
+    /// Image that a window shows.
     Present,
 }
 
 impl Access {
-    /// Stages, memory accesses and the image layout of this use.
+    /// Returns stages, memory accesses and the image layout of this use.
     pub fn row(self) -> (vk::PipelineStageFlags2, vk::AccessFlags2, vk::ImageLayout) {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
         match self {
@@ -58,12 +58,12 @@ impl Access {
                 L::UNDEFINED,
             ),
             Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL),
-            // A semaphore, signalled when all is done, stands between this and the display.
+            // Presentation waits for a semaphore, which is signalled when all work is done.
             Self::Present => (S::NONE, A::NONE, L::PRESENT_SRC_KHR),
         }
     }
 
-    /// A barrier over all memory from this use to `next`.
+    /// Returns a barrier over all memory from this use to `next`.
     pub fn memory_barrier(self, next: Self) -> vk::MemoryBarrier2<'static> {
         let ((src_stage, src_access, _), (dst_stage, dst_access, _)) = (self.row(), next.row());
         vk::MemoryBarrier2::default()
@@ -73,8 +73,8 @@ impl Access {
             .dst_access_mask(dst_access)
     }
 
-    /// A barrier on `image` from this use to `next`, with the change of layout. From [`Access::Nothing`] the contents are
-    /// dropped, but `next`'s own stages still wait for each other's earlier work on the image.
+    /// Returns a barrier on `image` from this use to `next`, with the change of layout. From [`Access::Nothing`] the
+    /// contents are discarded, but the stages of `next` still wait for earlier work of the same stages on the image.
     pub fn image_barrier(
         self,
         next: Self,
@@ -85,7 +85,7 @@ impl Access {
         if self == Self::Nothing {
             (src_stage, src_access) = (dst_stage, vk::AccessFlags2::NONE);
         }
-        // No image is a uniform buffer.
+        // Images are never uniform buffers.
         let of_image = |access: vk::AccessFlags2| access & !vk::AccessFlags2::UNIFORM_READ;
         vk::ImageMemoryBarrier2::default()
             .src_stage_mask(src_stage)
@@ -106,15 +106,15 @@ mod tests {
     use super::*;
     use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
 
-    /// What the Vulkan specification says of a use, written down without [`Access::row`]: the stages that touch the memory
-    /// (chapter "Supported Access Types"), what they read and write there, and the layouts that an image may have then.
+    /// Requirements of a use in the Vulkan specification, written down without [`Access::row`]: the stages that access
+    /// the memory (chapter "Supported Access Types"), their reads and writes, and the valid image layouts.
     struct Use {
         access: Access,
         stages: &'static [S],
         reads: &'static [A],
         writes: &'static [A],
         layouts: &'static [L],
-        /// Whether images are used so; vertices and indices stand in buffers.
+        /// True if images are used so; vertices and indices are in buffers.
         of_images: bool,
     }
 
@@ -185,7 +185,8 @@ mod tests {
             layouts: &[L::GENERAL],
             of_images: false,
         },
-        // The semaphore of the presentation waits for all work and makes it visible: no stage and no access here.
+        // The semaphore of the presentation waits for all work and makes it visible, so that stages and accesses are
+        // empty.
         Use {
             access: Access::Present,
             stages: &[],
@@ -196,7 +197,7 @@ mod tests {
         },
     ];
 
-    /// Whether `mask` has `stage`, or one that the specification says includes it.
+    /// Returns true if `mask` contains `stage`, or one that includes it by the specification.
     fn holds_stage(mask: S, stage: S) -> bool {
         let wider = match stage {
             S::COPY => S::ALL_TRANSFER,
@@ -210,7 +211,7 @@ mod tests {
         mask.intersects(stage | wider | S::ALL_COMMANDS)
     }
 
-    /// Whether `mask` has `access`, or one that the specification says includes it.
+    /// Returns true if `mask` contains `access`, or one that includes it by the specification.
     fn holds_access(mask: A, access: A) -> bool {
         let wider = match access {
             A::SHADER_SAMPLED_READ | A::SHADER_STORAGE_READ => A::SHADER_READ | A::MEMORY_READ,
@@ -221,7 +222,8 @@ mod tests {
         mask.intersects(access | wider)
     }
 
-    /// Whether a barrier of these scopes orders `first` before `next` and shows `next` what `first` wrote.
+    /// Asserts that a barrier with these scopes orders `first` before `next` and makes the writes of `first` visible to
+    /// `next`.
     fn assert_orders(first: &Use, next: &Use, scopes: (S, A, S, A), layouts: Option<(L, L)>) {
         let (src_stage, src_access, dst_stage, dst_access) = scopes;
         let what = format!("{:?} then {:?}: {scopes:?} {layouts:?}", first.access, next.access);

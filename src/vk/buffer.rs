@@ -1,4 +1,4 @@
-//! A buffer with its memory.
+//! Buffer with its memory.
 
 use super::access::Access;
 use super::device::Device;
@@ -10,7 +10,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 use std::sync::Arc;
 
-/// A buffer and the memory under it.
+/// Buffer and its memory.
 pub struct Buffer {
     raw: vk::Buffer,
     allocation: Option<Allocation>,
@@ -19,10 +19,10 @@ pub struct Buffer {
 }
 
 impl Buffer {
-    /// A buffer of `size` bytes (at least one) called `name`.
+    /// Makes a buffer of `size` bytes (at least one) with the debug name `name`.
     ///
     /// # Errors
-    /// Where there is no memory for it.
+    /// Fails if the device is out of memory.
     pub fn new(
         device: &Arc<Device>,
         name: &str,
@@ -53,10 +53,10 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// A host-visible buffer that holds `data`.
+    /// Makes a host-visible buffer with the contents `data`.
     ///
     /// # Errors
-    /// Where there is no memory for it.
+    /// Fails if the device is out of memory.
     pub fn with_data(
         device: &Arc<Device>,
         name: &str,
@@ -71,7 +71,7 @@ impl Buffer {
     /// Writes `data` at the start. The device must not be using the buffer.
     ///
     /// # Errors
-    /// If the buffer is not host-visible or too small, which is a bug in the caller.
+    /// Fails if the buffer is not host-visible or too small, which is a bug in the caller.
     pub fn write(&mut self, data: &[u8]) -> Result<()> {
         let mapped = self.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
         match mapped.and_then(|slice| slice.get_mut(..data.len())) {
@@ -83,27 +83,27 @@ impl Buffer {
         }
     }
 
-    /// The content of a host-visible buffer. The device must have finished writing.
+    /// Returns the contents of a host-visible buffer. The device must have finished writing.
     ///
     /// # Errors
-    /// If the buffer is not host-visible, which is a bug in the caller.
+    /// Fails if the buffer is not host-visible, which is a bug in the caller.
     pub fn bytes(&self) -> Result<&[u8]> {
         self.device.events().note(|| RecordedEvent::Used(self.resource(), Access::HostRead, None));
         let mapped = self.allocation.as_ref().and_then(Allocation::mapped_slice);
         mapped.and_then(|slice| slice.get(..self.size as usize)).ok_or_else(not_mapped)
     }
 
-    /// The handle.
+    /// Returns the handle.
     pub fn raw(&self) -> vk::Buffer {
         self.raw
     }
 
-    /// What stands for this buffer in the events of its device.
+    /// Returns the identifier of this buffer in the event log of its device.
     pub(super) fn resource(&self) -> Resource {
         Resource::Buffer(self.raw.as_raw())
     }
 
-    /// Size in bytes.
+    /// Returns the size in bytes.
     pub fn size(&self) -> u64 {
         self.size
     }

@@ -1,4 +1,4 @@
-//! A command buffer that is recorded, submitted and waited for, with its fence.
+//! Command buffer with its fence, to record, submit and wait for.
 
 use super::access::Access;
 use super::buffer::Buffer;
@@ -15,28 +15,28 @@ use ash::vk;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Longest wait for one submission before the device counts as lost \[ns\]. A software device may take minutes for a large
-/// picture.
+/// Timeout of a submission, after which the device counts as lost \[ns\]. A software device may take minutes for a
+/// large picture.
 const PATIENCE: u64 = 600 * 1_000_000_000;
 
 /// Clear value of depth: the far plane.
 pub const FAR: f32 = 1.0;
 
-/// A command buffer, its pool and its fence.
+/// Command buffer, its pool and its fence.
 pub struct Commands {
     raw: vk::CommandBuffer,
     pool: vk::CommandPool,
     fence: vk::Fence,
-    // Whether a submission has not been waited for.
+    // True while a submission has not been waited for.
     pending: bool,
     device: Arc<Device>,
 }
 
 impl Commands {
-    /// A command buffer called `name`.
+    /// Makes a command buffer with the debug name `name`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, name: &str) -> Result<Self> {
         let mut own = Self {
             raw: vk::CommandBuffer::null(),
@@ -47,7 +47,7 @@ impl Commands {
         };
         let failed = |c| failure("make a command buffer", c);
         let pool = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
-        // SAFETY: the device is live; what was made when a later call fails is freed by `own`'s drop.
+        // SAFETY: the device is live; if a later call fails, the drop of `own` frees the handles.
         unsafe {
             own.pool = device.raw().create_command_pool(&pool, None).map_err(failed)?;
             let request = vk::CommandBufferAllocateInfo::default()
@@ -66,17 +66,17 @@ impl Commands {
     /// Records with `record`, submits, and waits until the device has finished.
     ///
     /// # Errors
-    /// What `record` returns, or where the device is lost.
+    /// Fails with the error of `record`, or if the device is lost.
     pub fn run(&mut self, record: impl FnOnce(&Recorder<'_>) -> Result<()>) -> Result<()> {
         self.start(record, None, None)?;
         self.wait()
     }
 
-    /// Waits for the last submission, records with `record` and submits: drawing into attachments waits for `after`, and
-    /// `done` is signalled in the end. What the commands use must live until [`Commands::wait`].
+    /// Waits for the last submission, records with `record` and submits. Drawing into attachments waits for `after`,
+    /// and `done` is signalled at the end. The resources used must live until [`Commands::wait`].
     ///
     /// # Errors
-    /// What `record` returns, or where the device is lost.
+    /// Fails with the error of `record`, or if the device is lost.
     pub fn start(
         &mut self,
         record: impl FnOnce(&Recorder<'_>) -> Result<()>,
@@ -116,7 +116,7 @@ impl Commands {
     /// Waits until the last submission is done.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn wait(&mut self) -> Result<()> {
         if !self.pending {
             return Ok(());
@@ -142,7 +142,7 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // A lost device finishes nothing.
+        // A lost device never finishes.
         let _ = self.wait();
         // SAFETY: the last submission is done. Null handles are allowed, and the pool frees its buffer.
         unsafe {
@@ -152,7 +152,7 @@ impl Drop for Commands {
     }
 }
 
-/// Records commands into an open command buffer. The resources used must live until the device has finished.
+/// Recorder of commands into an open command buffer. The resources used must live until the device has finished.
 pub struct Recorder<'a> {
     raw: vk::CommandBuffer,
     device: &'a ash::Device,
@@ -161,18 +161,18 @@ pub struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    /// The same recording, whose rendering is limited to a picture of `size` in the corner of its attachments, and of that
-    /// to `rows`; nothing else is cleared.
+    /// Returns the same recorder with rendering limited to a picture of `size` in the corner of its attachments, and
+    /// within it to `rows`; nothing else is cleared.
     pub fn within(&self, size: [u32; 2], rows: Range<u32>) -> Self {
         self.tile(size, [0..size[0], rows])
     }
 
-    /// As [`Recorder::within`], limited to columns and rows.
+    /// Returns the same recorder limited to a rectangle, as [`Recorder::within`].
     pub fn tile(&self, size: [u32; 2], tile: [Range<u32>; 2]) -> Self {
         Self { part: Some((size, tile)), ..*self }
     }
 
-    /// The command buffer.
+    /// Returns the command buffer.
     pub fn raw(&self) -> vk::CommandBuffer {
         self.raw
     }
@@ -187,11 +187,11 @@ impl Recorder<'_> {
             self.events.note(|| RecordedEvent::image_barrier(image.resource(), barrier));
         }
         let info = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-        // SAFETY: recording is open; the images are live and in the layouts that `from` says.
+        // SAFETY: recording is open; the images are live and in the layouts of `from`.
         unsafe { self.device.cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Makes what `from` wrote in buffers visible to `to`.
+    /// Records a barrier that makes the writes of `from` to buffers visible to `to`.
     pub fn memory(&self, from: Access, to: Access) {
         let barriers = [from.memory_barrier(to)];
         self.events.note(|| RecordedEvent::barrier(&barriers[0]));
@@ -226,7 +226,8 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_buffer(self.raw, from.raw(), to.raw(), &regions) };
     }
 
-    /// Copies tightly packed texels from the start of `from` into rows `first_row` … of mip level `level` of a layer of `to`.
+    /// Copies tightly packed texels from the start of `from` into rows `first_row` … of mip level `level` of a layer of
+    /// `to`.
     pub fn copy_to_level(
         &self,
         from: &Buffer,
@@ -258,7 +259,8 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_buffer_to_image(self.raw, from.raw(), to.raw(), layout, &[region]) };
     }
 
-    /// Copies the `aspect` of the rectangle of `size` texels at `corner` of layer 0 of `from`, tightly packed, to the start of `to`.
+    /// Copies the `aspect` of the rectangle of `size` texels at `corner` of layer 0 of `from`, tightly packed, to the
+    /// start of `to`.
     pub fn copy_from_image(
         &self,
         (from, aspect): (&Image, vk::ImageAspectFlags),
@@ -310,15 +312,16 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_dispatch(self.raw, groups, 1, 1) };
     }
 
-    /// The number that the pipelines bound from now on write to the stencil, or draw only where it stands.
+    /// Sets the number that the pipelines bound from now on write to the stencil or compare with it.
     pub fn stencil(&self, number: u8) {
         let faces = vk::StencilFaceFlags::FRONT_AND_BACK;
         // SAFETY: recording is open.
         unsafe { self.device.cmd_set_stencil_reference(self.raw, faces, number.into()) };
     }
 
-    /// Draws into `colors` and a `depth` that is cleared to [`FAR`], its stencil to 0, all of one size. Colours are cleared where they come with a value; that
-    /// takes software devices long, and without one they hold anything where nothing is drawn.
+    /// Draws into `colors` and a `depth` that is cleared to [`FAR`], with the stencil cleared to 0, all of one size. A
+    /// colour with a value is cleared to it; without a value, which is much faster on software devices, undrawn pixels
+    /// are undefined.
     pub fn render(
         &self,
         colors: &[(&Image, Option<[f32; 4]>)],
@@ -328,7 +331,7 @@ impl Recorder<'_> {
         self.rendering(&cleared(colors), depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
     }
 
-    /// The same with a `depth` that was drawn before.
+    /// Draws as [`Recorder::render`], with a `depth` that was drawn before.
     pub fn render_over(
         &self,
         colors: &[(&Image, Option<[f32; 4]>)],
@@ -338,7 +341,8 @@ impl Recorder<'_> {
         self.rendering(&cleared(colors), Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
     }
 
-    /// Draws into `color`, which keeps what is not drawn over, with a `depth` that was drawn before, or with none.
+    /// Draws into `color`, whose other pixels keep their contents, with a `depth` that was drawn before, or without
+    /// depth.
     pub fn render_onto(&self, color: &Image, depth: Option<&Image>, draw: impl FnOnce(&Self)) {
         let load = vk::AttachmentLoadOp::LOAD;
         self.rendering(&[(color, load, [0.0; 4])], depth.map(|image| (image, load)), draw);
@@ -429,7 +433,7 @@ impl Recorder<'_> {
     }
 }
 
-/// Colour attachments with what happens to them first: they are cleared where they come with a value, else they hold anything.
+/// Returns colour attachments with their load operation: cleared if they have a value, otherwise undefined.
 fn cleared<'a>(colors: &[(&'a Image, Option<[f32; 4]>)]) -> Vec<(&'a Image, vk::AttachmentLoadOp, [f32; 4])> {
     let load = |clear: &Option<[f32; 4]>| match clear {
         Some(_) => vk::AttachmentLoadOp::CLEAR,
@@ -438,7 +442,7 @@ fn cleared<'a>(colors: &[(&'a Image, Option<[f32; 4]>)]) -> Vec<(&'a Image, vk::
     colors.iter().map(|(image, clear)| (*image, load(clear), clear.unwrap_or_default())).collect()
 }
 
-/// The texels of a copy.
+/// Returns the texels of a copy.
 fn part(region: &vk::BufferImageCopy) -> TexelArea {
     let (of, at, size) = (region.image_subresource, region.image_offset, region.image_extent);
     let from = [at.x as u32, at.y as u32];
@@ -446,7 +450,7 @@ fn part(region: &vk::BufferImageCopy) -> TexelArea {
     TexelArea { layer: [of.base_array_layer, of.mip_level], from, to }
 }
 
-/// Rows of one layer of an image, against tightly packed texels in a buffer.
+/// Returns the copy region of rows of one layer of an image and tightly packed texels in a buffer.
 fn region(image: &Image, layer: u32, first_row: u32, rows: u32) -> vk::BufferImageCopy {
     let subresource = vk::ImageSubresourceLayers::default()
         .aspect_mask(image.aspect())

@@ -1,4 +1,4 @@
-//! A descriptor set with its layout and pool.
+//! Descriptor set with its layout and pool.
 
 use super::access::Access;
 use super::buffer::Buffer;
@@ -12,7 +12,7 @@ use ash::vk;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-/// One binding of a layout.
+/// Binding of a layout.
 #[derive(Clone, Copy, Debug)]
 pub struct Binding {
     /// Number in the shaders.
@@ -24,29 +24,29 @@ pub struct Binding {
 }
 
 impl Binding {
-    /// A texture that fragment shaders read.
+    /// Returns the binding of a texture for fragment shaders.
     pub const fn texture(number: u32) -> Self {
         let (kind, stages) = (vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::ShaderStageFlags::FRAGMENT);
         Self { number, kind, stages }
     }
 }
 
-/// A set, its layout and its pool.
+/// Descriptor set, its layout and its pool.
 pub struct Descriptors {
     set: vk::DescriptorSet,
     layout: vk::DescriptorSetLayout,
     pool: vk::DescriptorPool,
     kinds: Vec<Binding>,
-    // What shaders do with what is bound to each number.
+    // Resource and access of the shaders by binding number.
     accesses: Mutex<BTreeMap<u32, (Resource, Access)>>,
     device: Arc<Device>,
 }
 
 impl Descriptors {
-    /// A set of `bindings` called `name`.
+    /// Makes a set of `bindings` with the debug name `name`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, name: &str, bindings: &[Binding]) -> Result<Self> {
         let rows: Vec<_> = bindings
             .iter()
@@ -71,8 +71,8 @@ impl Descriptors {
             device: device.clone(),
         };
         let failed = |c| failure("make a descriptor set", c);
-        // SAFETY: the device is live, the create structures complete and alive through each call; what was made when a
-        // later call fails is freed by `own`'s drop.
+        // SAFETY: the device is live, the create structures complete and alive through each call; if a later call
+        // fails, the drop of `own` frees the handles.
         unsafe {
             let raw = device.raw();
             let layout = vk::DescriptorSetLayoutCreateInfo::default().bindings(&rows);
@@ -100,7 +100,7 @@ impl Descriptors {
         self.bind_buffer(number, buffer, Access::ComputeWrite);
     }
 
-    /// What shaders do with what is bound.
+    /// Returns the bound resources with the accesses of the shaders.
     pub(super) fn accesses(&self) -> Vec<(Resource, Access)> {
         self.accesses.lock().map(|accesses| accesses.values().copied().collect()).unwrap_or_default()
     }
@@ -137,12 +137,12 @@ impl Descriptors {
         unsafe { self.device.raw().update_descriptor_sets(&[write], &[]) };
     }
 
-    /// The set.
+    /// Returns the set.
     pub fn set(&self) -> vk::DescriptorSet {
         self.set
     }
 
-    /// Its layout.
+    /// Returns the layout.
     pub fn layout(&self) -> vk::DescriptorSetLayout {
         self.layout
     }

@@ -1,4 +1,4 @@
-//! The logical device: one queue, one allocator, names for everything.
+//! Logical device: one queue, one allocator, and debug names.
 
 use super::failure;
 use super::hazards::EventLog;
@@ -15,11 +15,11 @@ use std::ffi::c_char;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-/// Sizes of the first block of device memory, the first block of host memory, and the largest block \[bytes\]. Each block is
-/// twice the one before, so that small pictures take little memory and large ones few blocks.
+/// Sizes of the first and the largest block of device memory, and of host memory \[bytes\]. Each block is twice the
+/// previous one, so that small pictures take little memory and large ones few blocks.
 const BLOCKS: [(u64, u64); 2] = [(16 << 20, 256 << 20), (8 << 20, 64 << 20)];
 
-/// A Vulkan device with its queue and its memory.
+/// Vulkan device with its queue and its memory.
 pub struct Device {
     // Before the device: frees its blocks.
     allocator: Mutex<Option<Allocator>>,
@@ -35,24 +35,24 @@ pub struct Device {
     queue_family: u32,
     candidate: Candidate,
     reason: String,
-    // Last: every device goes before its instance.
+    // Last: devices are destroyed before their instance.
     instance: Arc<Instance>,
 }
 
 impl Device {
-    /// Opens the device of choice `wish`.
+    /// Opens the device chosen by `wish`.
     ///
     /// # Errors
-    /// As [`selection::choose`], and where the driver refuses.
+    /// Same as [`selection::choose`]; also fails if the driver reports an error.
     pub fn open(instance: Arc<Instance>, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let candidates = selection::candidates(&instance)?;
         Self::open_one_of(candidates, instance, wish, &[])
     }
 
-    /// Opens the one of `candidates` that `wish` chooses, with the device extensions `extensions`.
+    /// Opens the device of `candidates` chosen by `wish`, with the device extensions `extensions`.
     ///
     /// # Errors
-    /// As [`Device::open`].
+    /// Same as [`Device::open`].
     pub(super) fn open_one_of(
         mut candidates: Vec<Candidate>,
         instance: Arc<Instance>,
@@ -62,11 +62,11 @@ impl Device {
         let (index, reason) = selection::choose(&candidates, wish)?;
         let candidate = candidates.swap_remove(index);
         if candidate.is_software() {
-            /// What lavapipe takes for itself and for the shaders of a picture, 130 MiB, and a little \[bytes\].
+            /// Memory of lavapipe itself and of the shaders of a picture, 130 MiB, with a margin \[bytes\].
             const SOFTWARE_DEVICE: u64 = 144 << 20;
             memory::ensure_room(SOFTWARE_DEVICE, "a software device")?;
         }
-        let queue_family = candidate.queue_family.unwrap_or(0); // `choose` takes none without
+        let queue_family = candidate.queue_family.unwrap_or(0); // `choose` rejects devices without one
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(queue_family)
@@ -79,8 +79,8 @@ impl Device {
             .queue_create_infos(&queues)
             .enabled_extension_names(extensions)
             .push_next(&mut v13);
-        // SAFETY: `candidate.raw` belongs to the live instance; `info` and what it points to outlive the calls; queue 0
-        // of the family was just asked for.
+        // SAFETY: `candidate.raw` belongs to the live instance; `info` and its pointers outlive the calls; queue 0 of
+        // the family was requested above.
         let (raw, queue) = unsafe {
             let raw = instance
                 .raw()
@@ -119,32 +119,32 @@ impl Device {
         Ok(Arc::new(device))
     }
 
-    /// The ash device.
+    /// Returns the ash device.
     pub fn raw(&self) -> &ash::Device {
         &self.raw
     }
 
-    /// What is recorded on this device, for tests.
+    /// Returns the log of recorded events, for tests.
     pub fn events(&self) -> &EventLog {
         &self.events
     }
 
-    /// The instance.
+    /// Returns the instance.
     pub fn instance(&self) -> &Arc<Instance> {
         &self.instance
     }
 
-    /// The physical device.
+    /// Returns the physical device.
     pub fn candidate(&self) -> &Candidate {
         &self.candidate
     }
 
-    /// Why this device was chosen.
+    /// Returns the reason for choosing this device.
     pub fn reason(&self) -> &str {
         &self.reason
     }
 
-    /// The queue's family.
+    /// Returns the family of the queue.
     pub fn queue_family(&self) -> u32 {
         self.queue_family
     }
@@ -152,7 +152,7 @@ impl Device {
     /// Submits recorded work and signals `fence` when it has finished.
     ///
     /// # Errors
-    /// Where the device is lost or out of memory.
+    /// Fails if the device is lost or out of memory.
     pub fn submit(&self, work: vk::SubmitInfo2<'_>, fence: vk::Fence) -> Result<()> {
         // A lost device stays lost.
         let take = |left: u64| if left == u64::MAX { None } else { left.checked_sub(1) };
@@ -168,13 +168,13 @@ impl Device {
     /// Calls `use_it` with exclusive access to the queue.
     ///
     /// # Errors
-    /// Where a thread failed while it used the queue.
+    /// Fails if a thread failed while it used the queue.
     pub fn with_queue<T>(&self, use_it: impl FnOnce(vk::Queue) -> T) -> Result<T> {
         let queue = self.queue.lock().map_err(|_| poisoned())?;
         Ok(use_it(*queue))
     }
 
-    /// Bytes of memory that the resources of this program take.
+    /// Returns the memory used by the resources of this program \[bytes\].
     pub fn memory_in_use(&self) -> u64 {
         let report = |a: &Allocator| a.generate_report().total_allocated_bytes;
         self.allocator.lock().ok().and_then(|guard| guard.as_ref().map(report)).unwrap_or(0)
@@ -187,7 +187,7 @@ impl Device {
         let _ = unsafe { self.raw.queue_wait_idle(*queue) };
     }
 
-    /// Whether the device is lost for good.
+    /// Returns true if the device is lost for good.
     pub fn is_lost(&self) -> bool {
         if self.until_loss.load(Ordering::Relaxed) == 0 {
             return true;
@@ -200,7 +200,7 @@ impl Device {
     /// Allocates memory for a resource called `name`.
     ///
     /// # Errors
-    /// Where there is not enough.
+    /// Fails if there is not enough memory.
     pub fn allocate(
         &self,
         name: &str,
@@ -220,7 +220,7 @@ impl Device {
             AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
         let allocation = allocator.allocate(&request).map_err(|e| memory_failure(name, &e))?;
         if self.instance.mask().memory.is_some_and(|most| allocator.capacity() > most) {
-            let _ = allocator.free(allocation); // its own
+            let _ = allocator.free(allocation); // allocated above
             return Err(memory_failure(name, &OutOfMemory));
         }
         Ok(allocation)
@@ -231,7 +231,7 @@ impl Device {
         self.until_refusal.store(n.saturating_sub(1), Ordering::Relaxed);
     }
 
-    /// Whether the mask simulates a lost surface now; true only once.
+    /// Returns true if the mask simulates a lost surface now; at most once.
     pub fn loses_surface(&self) -> bool {
         let take = |left: u64| left.checked_sub(1).or(Some(u64::MAX));
         self.until_surface_loss.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take) == Ok(0)
@@ -242,7 +242,7 @@ impl Device {
         if let Ok(mut guard) = self.allocator.lock()
             && let Some(allocator) = guard.as_mut()
         {
-            // The only error is a foreign allocation; every one comes from `allocate` above.
+            // The only error is a foreign allocation; all allocations come from `allocate` above.
             let _ = allocator.free(allocation);
         }
     }
@@ -252,15 +252,15 @@ impl Device {
         let Some(functions) = &self.names else { return };
         let Ok(name) = std::ffi::CString::new(name) else { return };
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-        // SAFETY: the handle is a live child of this device. A name that cannot be set is no loss.
+        // SAFETY: the handle is a live child of this device. A failure to set the name is harmless.
         let _ = unsafe { functions.set_debug_utils_object_name(&info) };
     }
 }
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: children hold an `Arc` of this device, so none is left; waiting ends what the queue may still do, the
-        // allocator's blocks go before the device.
+        // SAFETY: children hold an `Arc` of this device, so none is left; waiting ends pending work of the queue, and
+        // the allocator's blocks are freed before the device.
         unsafe {
             let _ = self.raw.device_wait_idle();
             if let Ok(mut allocator) = self.allocator.lock() {

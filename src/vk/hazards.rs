@@ -1,15 +1,17 @@
-//! What is recorded, as plain data, and a check of it that needs no device: every access must be ordered after those that it
-//! conflicts with, and must see what they wrote.
+//! Log of recorded events as plain data, and a check of it that needs no device: every access must be ordered after
+//! those that it conflicts with, and must see their writes.
 //!
 //! The rules are those of the specification's chapter "Synchronization", for one thread and one queue:
 //!
 //! - A barrier orders what its source stages did before its destination stages, directly or by a chain of barriers.
-//! - A write is available once a barrier has its access in the source scope, or a fence was waited for; it is visible to
-//!   the destination scopes of that barrier and of later ones. A fence makes nothing visible: not to the host, not to later work.
+//! - A write is available once a barrier has its access in the source scope, or a fence was waited for. It is then
+//!   visible to the destination scopes of that barrier and of later ones. A fence makes nothing visible, neither to the
+//!   host nor to later work.
 //! - A change of layout is a write that happens in its barrier.
 //!
-//! Passes that share a descriptor set use parts of it. What a pass draws into counts as unused by its shaders, which may not read it;
-//! validation sees those that do. Commands that are recorded by raw handles (the panel of the window) are not seen.
+//! Passes that share a descriptor set use parts of it. An attachment of a pass counts as unused by its shaders, which
+//! must not read it; validation reports those that do. Commands recorded by raw handles (the panel of the window) are
+//! not logged.
 
 use super::access::Access;
 use ash::vk::{self, AccessFlags2 as A, ImageLayout, PipelineStageFlags2 as S};
@@ -17,23 +19,23 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A resource by its raw handle.
+/// Resource, by its raw handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Resource {
-    /// A buffer.
+    /// Handle of a buffer.
     Buffer(u64),
-    /// An image.
+    /// Handle of an image.
     Image(u64),
 }
 
-/// Texels: array layer, mip level, and the first and the end of columns and rows.
+/// Range of texels: array layer, mip level, and the first and the end of columns and rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TexelArea {
     /// Array layer and mip level.
     pub layer: [u32; 2],
     /// First column and row.
     pub from: [u32; 2],
-    /// Column and row behind the last.
+    /// Column and row after the last.
     pub to: [u32; 2],
 }
 
@@ -47,35 +49,35 @@ impl TexelArea {
 /// Scopes of a barrier.
 #[derive(Clone, Copy, Debug)]
 pub struct Scopes {
-    /// What comes first.
+    /// First scope.
     pub source: (S, A),
-    /// What waits.
+    /// Second scope, which waits.
     pub destination: (S, A),
 }
 
-/// One step of a recording.
+/// Event of a recording.
 #[derive(Clone, Debug)]
 pub enum RecordedEvent {
-    /// A resource of this name was made; its handle may have been another's.
+    /// Creation of a resource with this name; its handle may have belonged to another.
     Made(Resource, String),
-    /// Descriptor sets with these accesses were bound.
+    /// Binding of descriptor sets with these accesses.
     Bound(Vec<(Resource, Access)>),
-    /// A draw or a dispatch used what is bound.
+    /// Draw or dispatch that uses the bound resources.
     Work,
-    /// A resource was used, all of it or a part.
+    /// Use of a resource, as a whole or a part.
     Used(Resource, Access, Option<TexelArea>),
-    /// The pass that drew into attachments ended.
+    /// End of the pass that drew into attachments.
     Ended,
-    /// A barrier over all memory.
+    /// Barrier over all memory.
     Barrier(Scopes),
-    /// A barrier on an image, between two layouts.
+    /// Barrier on an image, between two layouts.
     ImageBarrier(Resource, Scopes, [ImageLayout; 2]),
-    /// The host waited for all work so far.
+    /// Wait of the host for all work so far.
     Waited,
 }
 
 impl RecordedEvent {
-    /// The barrier over all memory.
+    /// Returns the event of a barrier over all memory.
     pub fn barrier(barrier: &vk::MemoryBarrier2<'_>) -> Self {
         Self::Barrier(Scopes {
             source: (barrier.src_stage_mask, barrier.src_access_mask),
@@ -83,7 +85,7 @@ impl RecordedEvent {
         })
     }
 
-    /// The barrier on `image`.
+    /// Returns the event of a barrier on `image`.
     pub fn image_barrier(image: Resource, barrier: &vk::ImageMemoryBarrier2<'_>) -> Self {
         let scopes = Scopes {
             source: (barrier.src_stage_mask, barrier.src_access_mask),
@@ -93,7 +95,7 @@ impl RecordedEvent {
     }
 }
 
-/// The events of a device, kept from [`EventLog::start`] on. Until then noting costs the look at a flag.
+/// Event log of a device, active after [`EventLog::start`]. Before that an event costs the test of a flag.
 #[derive(Default)]
 pub struct EventLog {
     on: AtomicBool,
@@ -101,17 +103,17 @@ pub struct EventLog {
 }
 
 impl EventLog {
-    /// Begins to keep events.
+    /// Starts logging.
     pub fn start(&self) {
         self.on.store(true, Ordering::Relaxed);
     }
 
-    /// Hands over what was kept and goes on.
+    /// Returns the logged events and continues with an empty log.
     pub fn take(&self) -> Vec<RecordedEvent> {
         self.events.lock().map(|mut events| std::mem::take(&mut *events)).unwrap_or_default()
     }
 
-    /// Keeps `event`.
+    /// Logs `event`.
     pub fn note(&self, event: impl FnOnce() -> RecordedEvent) {
         if self.on.load(Ordering::Relaxed)
             && let Ok(mut events) = self.events.lock()
@@ -121,7 +123,7 @@ impl EventLog {
     }
 }
 
-/// Replays `events`. Says what is wrong, a line a finding.
+/// Replays `events`. Returns one line per finding.
 pub fn check(events: &[RecordedEvent]) -> Vec<String> {
     let mut replay = Replay::default();
     for event in events {
@@ -130,25 +132,25 @@ pub fn check(events: &[RecordedEvent]) -> Vec<String> {
     replay.findings
 }
 
-/// An access that happened.
+/// Past access.
 struct Past {
     what: String,
     part: Option<TexelArea>,
     stages: S,
     writes: A,
     is_write: bool,
-    /// Whether the host waited for it.
+    /// True if the host has waited for it.
     waited: bool,
-    /// Whether what it wrote is available.
+    /// True if its writes are available.
     available: bool,
-    /// Stages that come after it.
+    /// Stages that are ordered after it.
     before: S,
-    /// Scopes that see what it wrote.
+    /// Scopes to which its writes are visible.
     seen: Vec<(S, A)>,
 }
 
 impl Past {
-    /// Lets a barrier act. Whether this access is in its first scope, with what it wrote.
+    /// Applies a barrier. Returns true if this access and its writes are in the first scope.
     fn pass(&mut self, scopes: &Scopes) -> bool {
         let (source, destination) = (scopes.source, scopes.destination);
         let direct = self.waited || source.0.contains(self.stages);
@@ -167,7 +169,7 @@ impl Past {
 #[derive(Default)]
 struct State {
     name: String,
-    /// Unknown where an image is older than the log.
+    /// `None` if the image is older than the log.
     layout: Option<ImageLayout>,
     past: Vec<Past>,
 }
@@ -176,7 +178,7 @@ struct State {
 struct Replay {
     states: HashMap<Resource, State>,
     bound: Vec<(Resource, Access)>,
-    /// What the pass that is open draws into.
+    /// Attachments of the open pass.
     attachments: Vec<Resource>,
     findings: Vec<String>,
 }
@@ -213,7 +215,7 @@ impl Replay {
             }
             RecordedEvent::Waited => {
                 for state in self.states.values_mut() {
-                    state.past.retain(|past| past.is_write); // what was read is done
+                    state.past.retain(|past| past.is_write); // reads are complete
                     state.past.iter_mut().for_each(|past| (past.waited, past.available) = (true, true));
                 }
             }
@@ -272,7 +274,7 @@ impl Replay {
             let fine = match (past.is_write, is_write) {
                 (false, false) => true,
                 (false, true) => ordered,
-                // After a fence there is nothing to wait for; what is only overwritten need not be seen.
+                // After a fence no execution dependency is needed, and overwritten contents need not be visible.
                 (true, _) => seen || reads == A::NONE && past.waited,
             };
             if !fine {
@@ -281,10 +283,10 @@ impl Replay {
             }
         }
         if is_write && part.is_none() {
-            state.past.clear(); // each of them comes before this one
+            state.past.clear(); // all of them are ordered before this one
         }
         let what = format!("{access:?}");
-        // A read that repeats another adds nothing, and what the host read comes before what is submitted later.
+        // A repeated read adds nothing, and reads by the host come before later submissions.
         let repeats = |p: &Past| !p.is_write && p.what == what && p.before == S::NONE;
         if is_write || access != Access::HostRead && !state.past.iter().any(repeats) {
             state.past.push(Past {
@@ -302,7 +304,7 @@ impl Replay {
     }
 }
 
-/// Accesses that read.
+/// Read accesses.
 const READS: A = A::from_raw(
     A::TRANSFER_READ.as_raw()
         | A::COLOR_ATTACHMENT_READ.as_raw()

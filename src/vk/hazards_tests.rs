@@ -1,4 +1,4 @@
-//! Recordings as passes make them, whole and with a part left out.
+//! Recordings as made by the passes, complete and with a part removed.
 
 use super::*;
 use Access::{
@@ -31,7 +31,7 @@ fn rows(from: u32, to: u32) -> Option<TexelArea> {
     Some(TexelArea { layer: [0; 2], from: [0, from], to: [8, to] })
 }
 
-/// An evaluation and what the host reads of it, twice.
+/// Returns an evaluation and the host's reading of the result, twice.
 fn evaluation() -> Vec<RecordedEvent> {
     let once = || {
         [
@@ -45,7 +45,7 @@ fn evaluation() -> Vec<RecordedEvent> {
     [made(BUFFER), made(HOST)].into_iter().chain(once()).chain(once()).collect()
 }
 
-/// A buffer that is filled in a submission of its own and drawn from in the next.
+/// Returns a buffer that is filled in one submission and drawn from in the next.
 fn upload() -> Vec<RecordedEvent> {
     vec![
         made(BUFFER),
@@ -60,7 +60,7 @@ fn upload() -> Vec<RecordedEvent> {
     ]
 }
 
-/// A picture that is drawn, sampled, drawn anew and read back.
+/// Returns a picture that is drawn, sampled, drawn again and read back.
 fn picture() -> Vec<RecordedEvent> {
     vec![
         made(IMAGE),
@@ -97,7 +97,7 @@ fn every_barrier_that_is_left_out_is_noticed() {
         let is_barrier =
             |e: &RecordedEvent| matches!(e, RecordedEvent::Barrier(_) | RecordedEvent::ImageBarrier(..));
         for i in (0..events.len()).filter(|&i| is_barrier(&events[i])) {
-            // Nothing reads what is uploaded before; the barrier in front of it is for uploads over earlier ones.
+            // Nothing reads the buffer before the upload; the barrier in front of it serves uploads over earlier ones.
             if i == 1 && matches!(events[i + 1], RecordedEvent::Used(BUFFER, TransferWrite, _)) {
                 continue;
             }
@@ -108,8 +108,8 @@ fn every_barrier_that_is_left_out_is_noticed() {
     }
 }
 
-/// The number of an event that is a barrier, and those of its four parts that something depends on: source stages, source
-/// accesses, destination stages, destination accesses.
+/// Index of a barrier event, and the parts of it that something depends on: 0 source stages, 1 source accesses, 2
+/// destination stages, 3 destination accesses.
 type Needed = (usize, &'static [usize]);
 
 #[test]
@@ -118,7 +118,7 @@ fn every_scope_that_is_left_out_is_noticed() {
         (evaluation(), &[(4, &[0, 1, 2, 3])]),
         // The first barrier to readers makes the write available to the second, too.
         (upload(), &[(3, &[0, 1, 2, 3]), (4, &[0, 2, 3])]),
-        // A new image has no past; from a read only an order is needed.
+        // A new image has no past; after a read only an execution dependency is needed.
         (
             picture(),
             &[

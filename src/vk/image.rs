@@ -1,4 +1,4 @@
-//! An image with its memory and one view of all of it, mip levels included.
+//! Image with its memory and one view of all of it, mip levels included.
 
 use super::device::Device;
 use super::failure;
@@ -20,13 +20,13 @@ pub struct Description<'a> {
     pub size: [u32; 2],
     /// Number of array layers.
     pub layers: u32,
-    /// Whether the view is a 2D array, even of one layer.
+    /// True if the view is a 2D array, even of one layer.
     pub array: bool,
     /// Usage flags.
     pub usage: vk::ImageUsageFlags,
 }
 
-/// A 2D image or array of them, device-local, with a view.
+/// Device-local 2D image or array of images, with a view.
 pub struct Image {
     view: vk::ImageView,
     raw: vk::Image,
@@ -35,7 +35,7 @@ pub struct Image {
     size: [u32; 2],
     layers: u32,
     levels: u32,
-    // Whether dropping this destroys the image; a swapchain owns its images.
+    // True if dropping this destroys the image; a swapchain owns its images.
     owned: bool,
     device: Arc<Device>,
 }
@@ -44,7 +44,7 @@ impl Image {
     /// Wraps an image of one layer that is owned elsewhere and must outlive the result.
     ///
     /// # Errors
-    /// Where the device refuses a view.
+    /// Fails if Vulkan reports an error.
     pub fn borrowed(
         device: &Arc<Device>,
         name: &str,
@@ -67,7 +67,7 @@ impl Image {
         Ok(image)
     }
 
-    /// Makes the view of all layers, and gives names.
+    /// Makes the view of all layers, and sets debug names.
     fn look(&mut self, name: &str, kind: vk::ImageViewType) -> Result<()> {
         let view = vk::ImageViewCreateInfo::default()
             .image(self.raw)
@@ -86,7 +86,7 @@ impl Image {
     /// Creates an image with one mip level.
     ///
     /// # Errors
-    /// Where it exceeds the device's limits or memory.
+    /// Fails if the image exceeds the device's limits or memory.
     pub fn new(device: &Arc<Device>, description: &Description<'_>) -> Result<Self> {
         Self::with_levels(device, description, 1)
     }
@@ -94,7 +94,7 @@ impl Image {
     /// Creates an image with `levels` mip levels.
     ///
     /// # Errors
-    /// Where it exceeds the device's limits or memory.
+    /// Fails if the image exceeds the device's limits or memory.
     pub fn with_levels(device: &Arc<Device>, description: &Description<'_>, levels: u32) -> Result<Self> {
         let Description { name, format, size, layers, array, usage } = *description;
         let limits = device.candidate();
@@ -147,7 +147,7 @@ impl Image {
         Ok(image)
     }
 
-    /// The aspects of the format: colour, or depth and, where there is one, the stencil.
+    /// Returns the aspects of the format: colour, or depth and, if present, the stencil.
     pub fn aspect(&self) -> vk::ImageAspectFlags {
         use vk::ImageAspectFlags as Aspect;
         match self.format {
@@ -157,12 +157,12 @@ impl Image {
         }
     }
 
-    /// Whether there is a stencil beside the depth.
+    /// Returns true if the format has a stencil in addition to the depth.
     pub fn has_stencil(&self) -> bool {
         has_stencil(self.format)
     }
 
-    /// All levels and layers.
+    /// Returns the range of all levels and layers.
     pub fn range(&self) -> vk::ImageSubresourceRange {
         vk::ImageSubresourceRange::default()
             .aspect_mask(self.aspect())
@@ -170,38 +170,38 @@ impl Image {
             .layer_count(self.layers)
     }
 
-    /// The handle.
+    /// Returns the handle.
     pub fn raw(&self) -> vk::Image {
         self.raw
     }
 
-    /// What stands for this image in the events of its device.
+    /// Returns the identifier of this image in the event log of its device.
     pub(super) fn resource(&self) -> Resource {
         Resource::Image(self.raw.as_raw())
     }
 
-    /// The view of all layers.
+    /// Returns the view of all layers.
     pub fn view(&self) -> vk::ImageView {
         self.view
     }
 
-    /// The format.
+    /// Returns the format.
     pub fn format(&self) -> vk::Format {
         self.format
     }
 
-    /// Number of mip levels.
+    /// Returns the number of mip levels.
     pub fn levels(&self) -> u32 {
         self.levels
     }
 
-    /// Width and height.
+    /// Returns width and height.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 }
 
-/// Whether a format of depth has a stencil beside it.
+/// Returns true if a depth format has a stencil.
 pub(super) fn has_stencil(format: vk::Format) -> bool {
     format == vk::Format::D32_SFLOAT_S8_UINT
 }

@@ -1,4 +1,4 @@
-//! The Vulkan instance, with a messenger that collects validation messages.
+//! Vulkan instance, with a messenger that collects validation messages.
 
 use super::failure;
 use super::mask::Mask;
@@ -10,19 +10,19 @@ use std::sync::Mutex;
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// The Vulkan version that this program needs.
+/// Required Vulkan version.
 pub const API_VERSION: u32 = vk::API_VERSION_1_3;
 
-/// Remedy where Vulkan is missing.
+/// Remedy if Vulkan is missing.
 pub const INSTALL: &str = "install a Vulkan driver (on Debian and Ubuntu without a GPU: apt-get install libvulkan1 \
                            mesa-vulkan-drivers)";
 
-/// Messages of the validation layer, the oldest first.
+/// Messages of the validation layer, oldest first.
 #[derive(Debug, Default)]
 pub struct Messages(Mutex<Vec<String>>);
 
 impl Messages {
-    /// All messages so far.
+    /// Returns all messages so far.
     pub fn all(&self) -> Vec<String> {
         self.0.lock().map(|list| list.clone()).unwrap_or_default()
     }
@@ -34,7 +34,7 @@ impl Messages {
     }
 }
 
-/// A Vulkan instance, with validation if asked for.
+/// Vulkan instance, optionally with validation.
 pub struct Instance {
     debug: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     raw: ash::Instance,
@@ -50,25 +50,25 @@ impl Instance {
     /// Loads Vulkan and creates an instance. `validation` enables the Khronos layer with synchronization checks.
     ///
     /// # Errors
-    /// No Vulkan library, no version 1.3, or validation requested but not installed.
+    /// Fails if there is no Vulkan library or no version 1.3, or if validation is requested but not installed.
     pub fn new(validation: bool) -> Result<Self> {
         Self::with_extensions(validation, &[], Mask::from_environment()?)
     }
 
-    /// Like [`Instance::new`], with the capabilities of `mask` hidden.
+    /// Loads Vulkan as [`Instance::new`], with the capabilities of `mask` hidden.
     ///
     /// # Errors
-    /// As [`Instance::new`].
+    /// Same as [`Instance::new`].
     pub fn masked(validation: bool, mask: Mask) -> Result<Self> {
         Self::with_extensions(validation, &[], mask)
     }
 
-    /// Like [`Instance::new`], with the instance extensions `more`.
+    /// Loads Vulkan as [`Instance::new`], with the instance extensions `more`.
     ///
     /// # Errors
-    /// As [`Instance::new`], and where there is no such extension.
+    /// Same as [`Instance::new`]; also fails if an extension is missing.
     pub(super) fn with_extensions(validation: bool, more: &[*const c_char], mask: Mask) -> Result<Self> {
-        // SAFETY: loading runs the system's Vulkan loader, which is what the user asked for; the entry outlives all use.
+        // SAFETY: loading runs the system's Vulkan loader, as the user requested; the entry outlives all use.
         let entry = unsafe { ash::Entry::load() }
             .map_err(|e| Error::failed(format!("there is no Vulkan on this machine ({e})"), INSTALL))?;
         let application =
@@ -86,7 +86,7 @@ impl Instance {
         info = info.enabled_extension_names(&extensions);
         // SAFETY: `info` and all it points to live until the call returns.
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|code| match code {
-            // A loader that gets no memory for a driver says so, too.
+            // A loader also reports this if it gets no memory for a driver.
             vk::Result::ERROR_INCOMPATIBLE_DRIVER if !memory::is_limited() => {
                 Error::failed("there is no Vulkan driver of version 1.3 on this machine", INSTALL)
             }
@@ -122,27 +122,27 @@ impl Instance {
         Ok((functions, messenger))
     }
 
-    /// The ash instance.
+    /// Returns the ash instance.
     pub fn raw(&self) -> &ash::Instance {
         &self.raw
     }
 
-    /// The loaded Vulkan.
+    /// Returns the loaded Vulkan library.
     pub fn entry(&self) -> &ash::Entry {
         &self.entry
     }
 
-    /// Validation messages so far; empty without validation.
+    /// Returns the validation messages so far; empty without validation.
     pub fn messages(&self) -> Vec<String> {
         self.messages.all()
     }
 
-    /// Capabilities hidden from its devices.
+    /// Returns the capabilities hidden from its devices.
     pub fn mask(&self) -> &Mask {
         &self.mask
     }
 
-    /// Whether validation is enabled.
+    /// Returns true if validation is enabled.
     pub fn validates(&self) -> bool {
         self.debug.is_some()
     }
@@ -173,14 +173,14 @@ fn require_validation(entry: &ash::Entry) -> Result<()> {
     ))
 }
 
-/// Stores a message, which later fails the test or the program.
+/// Stores a message; it fails the test or the program later.
 unsafe extern "system" fn on_message(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     user: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: Vulkan passes valid callback data, and the pointer that `listen` gave, to a `Messages` that outlives the
+    // SAFETY: Vulkan passes valid callback data, and the pointer set in `listen`, to a `Messages` that outlives the
     // messenger and is only read.
     unsafe {
         let text = (*data).message_as_c_str().unwrap_or(c"a message without text");

@@ -1,48 +1,48 @@
-//! Hides capabilities of a device, so that tests on a capable device see the behaviour on a poor one.
+//! Hides capabilities of a device, so that tests on a capable device see the behaviour on a limited one.
 //!
-//! The environment variable `DIFFRACT_DEVICE_MASK` lists what to hide, separated by semicolons:
+//! The environment variable `DIFFRACT_DEVICE_MASK` lists the capabilities to hide, separated by semicolons:
 //!
 //! | entry | effect |
 //! | --- | --- |
-//! | `memory=256MiB` | no more memory than that (`KiB`, `MiB`, `GiB`) is taken from the driver |
-//! | `allocation=7` | the seventh resource that asks for memory gets none |
-//! | `submission=40` | the device is lost when work is handed to it for the fortieth time, and stays lost |
-//! | `acquisition=3` | the window's surface is lost when an image of it is asked for the third time |
-//! | `side=1024` | images are at most so long |
-//! | `layers=4` | images have at most so many array layers |
-//! | `without=synchronization2` | a feature, format or version is missing, by a part of the name that errors give it |
+//! | `memory=256MiB` | the driver provides at most this memory (`KiB`, `MiB`, `GiB`) |
+//! | `allocation=7` | the seventh allocation of a resource fails |
+//! | `submission=40` | the device is lost at the fortieth submission, and stays lost |
+//! | `acquisition=3` | the window's surface is lost when its third image is acquired |
+//! | `side=1024` | largest side of images |
+//! | `layers=4` | largest number of array layers of images |
+//! | `without=synchronization2` | a feature, format or version is missing, given by a part of its name in errors |
 //!
-//! A mask only removes capabilities. The errors are those of a device without them.
+//! A mask only removes capabilities. The errors are those of a device without these capabilities.
 
 use crate::error::{Error, Result};
 
-/// The name of the variable.
+/// Name of the variable.
 pub const VARIABLE: &str = "DIFFRACT_DEVICE_MASK";
 
-/// What is taken away.
+/// Hidden capabilities.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mask {
-    /// Most bytes of memory.
+    /// Largest memory \[bytes\].
     pub memory: Option<u64>,
     /// Number of the allocation that fails, from 1.
     pub allocation: Option<u64>,
     /// Number of the submission at which the device is lost, from 1.
     pub submission: Option<u64>,
-    /// Number of the image of a window that finds its surface lost, from 1.
+    /// Number of the acquired window image at which the surface is lost, from 1.
     pub acquisition: Option<u64>,
-    /// Longest side of an image, in texels.
+    /// Longest side of an image \[texels\].
     pub side: Option<u32>,
-    /// Most array layers of an image.
+    /// Largest number of array layers of an image.
     pub layers: Option<u32>,
-    /// Parts of names of what is missing.
+    /// Parts of the names of missing capabilities.
     pub without: Vec<String>,
 }
 
 impl Mask {
-    /// The mask that the environment asks for; none where it does not.
+    /// Returns the mask in the environment variable; an empty mask if it is not set.
     ///
     /// # Errors
-    /// As [`Mask::parse`].
+    /// Same as [`Mask::parse`].
     pub fn from_environment() -> Result<Self> {
         match std::env::var_os(VARIABLE) {
             None => Ok(Self::default()),
@@ -50,10 +50,10 @@ impl Mask {
         }
     }
 
-    /// The mask in `text`.
+    /// Parses the mask in `text`.
     ///
     /// # Errors
-    /// An entry that is none of those above.
+    /// Fails on an entry that is not in the table above.
     pub fn parse(text: &str) -> Result<Self> {
         let mut mask = Self::default();
         for entry in text.split(';').map(str::trim).filter(|entry| !entry.is_empty()) {
@@ -81,13 +81,13 @@ impl Mask {
         Ok(mask)
     }
 
-    /// Whether what errors call `name` is taken away.
+    /// Returns true if the capability that errors call `name` is hidden.
     pub fn hides(&self, name: &str) -> bool {
         self.without.iter().any(|part| name.contains(part.as_str()))
     }
 }
 
-/// `256MiB` in bytes.
+/// Parses a size such as `256MiB` in bytes.
 fn bytes(text: &str) -> Option<u64> {
     let units = [("KiB", 1 << 10), ("MiB", 1 << 20), ("GiB", 1_u64 << 30)];
     let (number, unit) = units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit)))?;

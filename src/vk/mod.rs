@@ -1,8 +1,8 @@
-//! Raw Vulkan through ash: one object a file, each owning its handle and freeing it when dropped. Nothing here knows
-//! what is drawn.
+//! Vulkan through ash: one object per file, each owning its handle and freeing it when dropped. Nothing here depends on
+//! the scene.
 //!
-//! Lifetimes nest: instance → device → resources, pipelines, command buffers. Children hold an `Arc` of their parent, so
-//! the order of destruction follows from ownership; inside a struct it is the order of the fields.
+//! Lifetimes nest: instance → device → resources, pipelines, command buffers. Children hold an `Arc` of their parent,
+//! so that ownership gives the order of destruction; inside a struct it is the order of the fields.
 
 pub mod access;
 pub mod buffer;
@@ -28,20 +28,20 @@ use crate::memory;
 use ash::vk;
 use std::borrow::Cow;
 
-/// What to do where a device has no memory.
+/// Remedies if the device is out of memory.
 const LESS_MEMORY: [Remedy; 4] =
     [Remedy::SmallerPicture, Remedy::LargerTolerance, Remedy::ShorterCoherence, Remedy::OtherDevice];
-/// What to do where a driver fails and this process may not have all of the machine's memory.
+/// Remedies if a driver fails while this process is limited to a part of the machine's memory.
 const LIFT_LIMIT: [Remedy; 3] = [
     Remedy::Words(Cow::Borrowed("raise this process' limit of memory (ulimit -v)")),
     Remedy::SmallerPicture,
     Remedy::LargerTolerance,
 ];
 
-/// Turns a Vulkan result code into an error: what was being done, and what helps.
+/// Turns a Vulkan result code into an error that names the failed action and a remedy.
 pub fn failure(doing: &str, code: vk::Result) -> Error {
     let remedy: Remedies = match code {
-        // Drivers fail in many ways where they get no memory.
+        // Drivers fail in many ways if they get no memory.
         _ if memory::is_limited() => LIFT_LIMIT.into(),
         vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => LESS_MEMORY.into(),
         vk::Result::ERROR_DEVICE_LOST => {

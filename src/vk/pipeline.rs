@@ -1,4 +1,4 @@
-//! Pipelines and their layouts, from the SPIR-V of the build.
+//! Pipelines and their layouts, from SPIR-V compiled at build time.
 
 use super::descriptors::Descriptors;
 use super::device::Device;
@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
 
-/// A shader module, needed only to create pipelines.
+/// Shader module, needed only to create pipelines.
 struct Module<'a> {
     raw: vk::ShaderModule,
     entries: Vec<vk::SpecializationMapEntry>,
@@ -36,7 +36,7 @@ impl<'a> Module<'a> {
         Ok(Self { raw, entries, values, device })
     }
 
-    /// The values of the stage's constants.
+    /// Returns the values of the stage's constants.
     fn specialization(&self) -> vk::SpecializationInfo<'_> {
         vk::SpecializationInfo::default().map_entries(&self.entries).data(bytemuck::cast_slice(&self.values))
     }
@@ -70,29 +70,29 @@ pub struct Drawing<'a> {
     pub attributes: &'a [vk::VertexInputAttributeDescription],
     /// Formats of the colour attachments.
     pub colors: &'a [vk::Format],
-    /// The depth test; `None`: no depth.
+    /// Depth test; `None` without depth.
     pub depth: Option<Depth>,
 }
 
-/// A depth test, and what is done with the stencil where the depth is the same.
+/// Depth test, and the use of the stencil for fragments that pass it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Depth {
     /// Format of the attachment.
     pub format: vk::Format,
-    /// What passes.
+    /// Comparison that passes.
     pub compare: vk::CompareOp,
-    /// Whether the depth of what passes is written.
+    /// True if the depth of passing fragments is written.
     pub write: bool,
-    /// What the stencil is for; `None`: nothing.
+    /// Use of the stencil, if any.
     pub stencil: Option<Stencil>,
 }
 
-/// What a drawing does with the stencil. The number is that of [`super::commands::Recorder::stencil`].
+/// Use of the stencil by a draw. The number is that of [`super::commands::Recorder::stencil`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stencil {
-    /// Writes the number wherever it draws.
+    /// Write the number wherever something is drawn.
     Write,
-    /// Draws only where the number stands.
+    /// Draw only where the stencil equals the number.
     Match,
 }
 
@@ -116,46 +116,46 @@ impl Stencil {
     }
 }
 
-/// A specialisation constant of 4 bytes.
+/// Specialisation constant of 4 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Constant {
-    /// Its `constant_id`.
+    /// `constant_id` in the shader.
     pub id: u32,
-    /// Its bits, also those of a float; of a bool, 0 or 1.
+    /// Bits of the value, also of a float; 0 or 1 for a bool.
     pub value: u32,
 }
 
 impl Constant {
-    /// Constant `id` with `value`.
+    /// Makes constant `id` with `value`.
     pub fn new(id: u32, value: impl Into<u32>) -> Self {
         Self { id, value: value.into() }
     }
 
-    /// Constant `id`, a float.
+    /// Makes constant `id` with a float value.
     pub fn float(id: u32, value: f32) -> Self {
         Self { id, value: value.to_bits() }
     }
 }
 
-/// Code of a stage.
+/// Shader code of a stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Code<'a> {
-    /// Its file's name.
+    /// Name of the file.
     pub name: &'a str,
-    /// Its SPIR-V.
+    /// SPIR-V code.
     pub spirv: &'a [u8],
-    /// Its specialisation constants; those that the stage does not have are ignored.
+    /// Specialisation constants; those that the stage does not declare are ignored.
     pub constants: &'a [Constant],
 }
 
 impl<'a> Code<'a> {
-    /// The same stage with `constants`.
+    /// Returns the same stage with `constants`.
     pub fn with(self, constants: &'a [Constant]) -> Self {
         Self { constants, ..self }
     }
 }
 
-/// A pipeline and its layout.
+/// Pipeline and its layout.
 pub struct Pipeline {
     raw: vk::Pipeline,
     layout: vk::PipelineLayout,
@@ -187,10 +187,10 @@ impl Pipeline {
         Ok(Self { raw: vk::Pipeline::null(), layout, bind_point, push_stages, device: device.clone() })
     }
 
-    /// A compute pipeline over `sets`, set 0 first.
+    /// Makes a compute pipeline over `sets`, set 0 first.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn compute(
         device: &Arc<Device>,
         code: Code<'_>,
@@ -210,10 +210,11 @@ impl Pipeline {
         Ok(own)
     }
 
-    /// A graphics pipeline over `sets`, set 0 first, with dynamic viewport and scissor. Without `fragment` it writes depth only.
+    /// Makes a graphics pipeline over `sets`, set 0 first, with dynamic viewport and scissor. Without `fragment` it
+    /// writes depth only.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn graphics(
         device: &Arc<Device>,
         vertex: Code<'_>,
@@ -226,10 +227,10 @@ impl Pipeline {
         Self::blended(device, (vertex, fragment), drawing, sets, push_bytes, replace)
     }
 
-    /// A graphics pipeline that adds what it draws to what its attachments hold.
+    /// Makes a graphics pipeline with additive blending.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn adding(
         device: &Arc<Device>,
         vertex: Code<'_>,
@@ -329,22 +330,22 @@ impl Pipeline {
         self.device.name(self.layout, &format!("{name} pipeline layout"));
     }
 
-    /// The handle.
+    /// Returns the handle.
     pub fn raw(&self) -> vk::Pipeline {
         self.raw
     }
 
-    /// The layout.
+    /// Returns the layout.
     pub fn layout(&self) -> vk::PipelineLayout {
         self.layout
     }
 
-    /// Graphics or compute.
+    /// Returns the bind point: graphics or compute.
     pub fn bind_point(&self) -> vk::PipelineBindPoint {
         self.bind_point
     }
 
-    /// The stage that push constants go to.
+    /// Returns the stages that receive push constants.
     pub fn push_stages(&self) -> vk::ShaderStageFlags {
         self.push_stages
     }

@@ -6,7 +6,7 @@ use crate::error::Result;
 use ash::vk;
 use std::sync::Arc;
 
-/// A pool of timestamps that one command buffer writes.
+/// Pool of timestamps written by one command buffer.
 pub struct Timestamps {
     pool: vk::QueryPool,
     count: u32,
@@ -14,10 +14,10 @@ pub struct Timestamps {
 }
 
 impl Timestamps {
-    /// A pool of `count` timestamps.
+    /// Makes a pool of `count` timestamps.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, count: u32) -> Result<Self> {
         let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(count);
         // SAFETY: the device is live and `info` complete.
@@ -27,20 +27,20 @@ impl Timestamps {
         Ok(Self { pool, count, device: device.clone() })
     }
 
-    /// The pool.
+    /// Returns the pool.
     pub fn pool(&self) -> vk::QueryPool {
         self.pool
     }
 
-    /// Number of timestamps.
+    /// Returns the number of timestamps.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Time between consecutive timestamps of finished work \[ms\].
+    /// Returns the times between consecutive timestamps of finished work \[ms\].
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn intervals(&self) -> Result<Vec<f64>> {
         let mut ticks = vec![0u64; self.count as usize];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;

@@ -1,4 +1,4 @@
-//! A sampler.
+//! Texture samplers.
 
 use super::device::Device;
 use super::failure;
@@ -6,33 +6,33 @@ use crate::error::Result;
 use ash::vk;
 use std::sync::Arc;
 
-/// A sampler.
+/// Texture sampler.
 pub struct Sampler {
     raw: vk::Sampler,
     device: Arc<Device>,
 }
 
 impl Sampler {
-    /// Linear in both directions, with `address` beyond the edges.
+    /// Makes a sampler that is linear in both directions, with `address` beyond the edges.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn linear(device: &Arc<Device>, name: &str, address: vk::SamplerAddressMode) -> Result<Self> {
         Self::new(device, name, &filtering(address))
     }
 
-    /// Linear within the nearest level; coordinates are clamped to the edge.
+    /// Makes a sampler that is linear within the nearest level and clamps coordinates to the edge.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn levels(device: &Arc<Device>, name: &str) -> Result<Self> {
         Self::of_levels(device, name, vk::SamplerAddressMode::CLAMP_TO_EDGE)
     }
 
-    /// Linear within the nearest level; 0 beyond the edges.
+    /// Makes a sampler that is linear within the nearest level and returns 0 beyond the edges.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn levels_that_end(device: &Arc<Device>, name: &str) -> Result<Self> {
         Self::of_levels(device, name, vk::SamplerAddressMode::CLAMP_TO_BORDER)
     }
@@ -45,10 +45,10 @@ impl Sampler {
         Self::new(device, name, &info)
     }
 
-    /// Linear within and between levels, for pictures all around: the left edge meets the right one, and the top and the bottom end.
+    /// Makes a trilinear sampler for equirectangular pictures: u repeats, v is clamped.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn equirectangular(device: &Arc<Device>, name: &str) -> Result<Self> {
         let info = filtering(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .address_mode_u(vk::SamplerAddressMode::REPEAT)
@@ -57,10 +57,10 @@ impl Sampler {
         Self::new(device, name, &info)
     }
 
-    /// Nearest texel, which integer images require.
+    /// Makes a sampler of the nearest texel, which integer images require.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn nearest(device: &Arc<Device>, name: &str) -> Result<Self> {
         Self::new(device, name, &vk::SamplerCreateInfo::default())
     }
@@ -73,13 +73,13 @@ impl Sampler {
         Ok(Self { raw, device: device.clone() })
     }
 
-    /// The handle.
+    /// Returns the handle.
     pub fn raw(&self) -> vk::Sampler {
         self.raw
     }
 }
 
-/// Linear in both directions, with `address` beyond the edges.
+/// Returns the parameters of a bilinear sampler with `address` beyond the edges.
 fn filtering(address: vk::SamplerAddressMode) -> vk::SamplerCreateInfo<'static> {
     vk::SamplerCreateInfo::default()
         .mag_filter(vk::Filter::LINEAR)

@@ -1,4 +1,4 @@
-//! Chooses one of the Vulkan devices of the machine.
+//! Selection of one of the Vulkan devices of the machine.
 
 use super::failure;
 use super::instance::{API_VERSION, INSTALL, Instance};
@@ -6,10 +6,10 @@ use super::mask::Mask;
 use crate::error::{Error, Remedy, Result};
 use ash::vk;
 
-/// What choosing needs to know about a Vulkan device.
+/// Properties of a Vulkan device that the selection needs.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The handle.
+    /// Handle.
     pub raw: vk::PhysicalDevice,
     /// Name given by the driver.
     pub name: String,
@@ -19,38 +19,38 @@ pub struct Candidate {
     pub kind: vk::PhysicalDeviceType,
     /// Vulkan version.
     pub version: u32,
-    /// A queue family with graphics and compute.
+    /// Queue family with graphics and compute.
     pub queue_family: Option<u32>,
-    /// Bytes of the largest device-local heap.
+    /// Size of the largest device-local heap \[bytes\].
     pub memory: u64,
-    /// Largest side of a 2D image.
+    /// Largest side of a 2D image \[texels\].
     pub max_side: u32,
-    /// Most array layers.
+    /// Largest number of array layers.
     pub max_layers: u32,
-    /// Nanoseconds of one tick of its clock.
+    /// Duration of a tick of its clock \[ns\].
     pub timestamp_period: f64,
     /// Required capabilities that are missing.
     pub missing: Vec<&'static str>,
 }
 
 impl Candidate {
-    /// Whether it draws on the CPU.
+    /// Returns true if it draws on the CPU.
     pub fn is_software(&self) -> bool {
         self.kind == vk::PhysicalDeviceType::CPU
     }
 }
 
-/// How a device is chosen.
+/// Choice of a device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// The fastest usable one.
+    /// Fastest usable device.
     #[default]
     Any,
-    /// A software device.
+    /// Software device.
     Cpu,
-    /// The device with this number in the list.
+    /// Device with this number in the list.
     Index(usize),
-    /// The first device whose name contains this.
+    /// First device whose name contains this text.
     Name(String),
 }
 
@@ -75,10 +75,10 @@ fn no_such(wish: &str) -> Error {
     Error::usage(format!("there is no device `{wish}`"), Remedy::OtherDevice)
 }
 
-/// Every Vulkan device, in the loader's order.
+/// Lists all Vulkan devices in the loader's order.
 ///
 /// # Errors
-/// Where Vulkan cannot list them.
+/// Fails if Vulkan cannot list the devices.
 pub fn candidates(instance: &Instance) -> Result<Vec<Candidate>> {
     // SAFETY: the instance is live.
     let devices =
@@ -128,7 +128,7 @@ fn describe(instance: &Instance, raw: vk::PhysicalDevice) -> Candidate {
     }
 }
 
-/// The capabilities of the renderer that `device` lacks.
+/// Returns the required capabilities that `device` lacks.
 fn missing(
     instance: &ash::Instance,
     mask: &Mask,
@@ -140,7 +140,7 @@ fn missing(
     const VERSION: &str = "Vulkan 1.3";
     if version < API_VERSION || mask.hides(VERSION) {
         missing.push(VERSION);
-        return missing; // the queries below are of 1.3
+        return missing; // the queries below need Vulkan 1.3
     }
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v13);
@@ -149,7 +149,7 @@ fn missing(
         instance.get_physical_device_features2(device, &mut features);
         instance.get_physical_device_format_properties(device, vk::Format::R32G32B32A32_SFLOAT)
     };
-    // Blending, because samples of a picture are summed that way.
+    // Blending is used to sum the samples of a picture.
     let wanted = vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR
         | vk::FormatFeatureFlags::COLOR_ATTACHMENT
         | vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND;
@@ -170,7 +170,7 @@ fn missing(
     missing
 }
 
-/// Preference of a kind of device, the smallest first, and its name.
+/// Returns the preference of a kind of device, lowest first, and its name.
 fn rank(kind: vk::PhysicalDeviceType) -> (u8, &'static str) {
     match kind {
         vk::PhysicalDeviceType::DISCRETE_GPU => (0, "a discrete GPU"),
@@ -181,15 +181,15 @@ fn rank(kind: vk::PhysicalDeviceType) -> (u8, &'static str) {
     }
 }
 
-/// The kind of a device, in words.
+/// Returns the name of a kind of device.
 pub fn kind_name(kind: vk::PhysicalDeviceType) -> &'static str {
     rank(kind).1
 }
 
-/// The candidate of choice `wish`, and the reason in words.
+/// Returns the index of the candidate chosen by `wish`, and the reason as text.
 ///
 /// # Errors
-/// No device, no matching one, or none with the required capabilities.
+/// Fails if there is no device, no matching one, or none with the required capabilities.
 pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, String)> {
     if candidates.is_empty() {
         return Err(Error::failed("Vulkan finds no device on this machine", INSTALL));

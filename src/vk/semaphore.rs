@@ -1,4 +1,4 @@
-//! A binary semaphore, which orders work of the device and presentation.
+//! Binary semaphore, which orders work of the device and presentation.
 
 use super::device::Device;
 use super::failure;
@@ -6,17 +6,17 @@ use crate::error::Result;
 use ash::vk;
 use std::sync::Arc;
 
-/// A semaphore.
+/// Binary semaphore.
 pub struct Semaphore {
     raw: vk::Semaphore,
     device: Arc<Device>,
 }
 
 impl Semaphore {
-    /// An unsignalled semaphore called `name`.
+    /// Makes an unsignalled semaphore with the debug name `name`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, name: &str) -> Result<Self> {
         // SAFETY: the device is live.
         let raw = unsafe { device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) }
@@ -25,7 +25,7 @@ impl Semaphore {
         Ok(Self { raw, device: device.clone() })
     }
 
-    /// The handle.
+    /// Returns the handle.
     pub fn raw(&self) -> vk::Semaphore {
         self.raw
     }

@@ -1,4 +1,4 @@
-//! The Vulkan surface of a window; an instance and a device that can show one.
+//! Vulkan surface of a window, and instances and devices that can present to one.
 
 use super::device::Device;
 use super::failure;
@@ -14,10 +14,10 @@ use std::sync::Arc;
 use winit::raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle, RawDisplayHandle};
 
 impl Instance {
-    /// Like [`Instance::new`], for windows on the display of `handle`.
+    /// Loads Vulkan as [`Instance::new`], for windows on the display of `handle`.
     ///
     /// # Errors
-    /// As [`Instance::new`], and if this Vulkan does not support the window system.
+    /// Same as [`Instance::new`]; also fails if Vulkan does not support the window system.
     pub fn for_windows(validation: bool, handle: RawDisplayHandle) -> Result<Self> {
         let names = ash_window::enumerate_required_extensions(handle)
             .map_err(|c| failure("name what windows of this kind need", c))?;
@@ -26,10 +26,10 @@ impl Instance {
 }
 
 impl Device {
-    /// Opens the device of choice `wish` among those that can present to `surface`.
+    /// Opens the device chosen by `wish` among those that can present to `surface`.
     ///
     /// # Errors
-    /// As [`Device::open`].
+    /// Same as [`Device::open`].
     pub fn open_for(surface: &Surface, wish: &DeviceChoice) -> Result<Arc<Self>> {
         let instance = surface.instance().clone();
         let mut candidates = selection::candidates(&instance)?;
@@ -42,7 +42,7 @@ impl Device {
     }
 }
 
-/// A surface, with its window.
+/// Surface, with its window.
 pub struct Surface {
     raw: vk::SurfaceKHR,
     functions: khr::surface::Instance,
@@ -52,10 +52,10 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The surface of `window`, which lives as long as it.
+    /// Makes the surface of `window` and keeps the window alive.
     ///
     /// # Errors
-    /// Where the window system or Vulkan refuses.
+    /// Fails if the window system or Vulkan reports an error.
     pub fn new<W>(instance: &Arc<Instance>, window: &Arc<W>) -> Result<Self>
     where
         W: HasDisplayHandle + HasWindowHandle + Any + Send + Sync,
@@ -63,7 +63,8 @@ impl Surface {
         let gone = |e: HandleError| Error::failed(format!("the window is gone ({e})"), "start again");
         let display = window.display_handle().map_err(gone)?.as_raw();
         let handle = window.window_handle().map_err(gone)?.as_raw();
-        // SAFETY: both handles are of the live window, which this value keeps; the instance has what its display needs.
+        // SAFETY: both handles are of the live window, which this value keeps; the instance has the extensions of its
+        // display.
         let raw =
             unsafe { ash_window::create_surface(instance.entry(), instance.raw(), display, handle, None) }
                 .map_err(|c| failure("make a surface of the window", c))?;
@@ -71,7 +72,7 @@ impl Surface {
         Ok(Self { raw, functions, _window: window.clone(), instance: instance.clone() })
     }
 
-    /// Whether a device can present to this surface.
+    /// Returns true if a device can present to this surface.
     pub fn is_shown_by(&self, candidate: &Candidate) -> bool {
         let Some(family) = candidate.queue_family else { return false };
         // SAFETY: the device is of the surface's live instance.
@@ -88,39 +89,39 @@ impl Surface {
         supported == Ok(true) && named(khr::swapchain::NAME)
     }
 
-    /// Current surface capabilities of `device`.
+    /// Returns the surface capabilities of `device`.
     ///
     /// # Errors
-    /// Where the surface is lost.
+    /// Fails if the surface is lost.
     pub fn capabilities(&self, device: vk::PhysicalDevice) -> VkResult<vk::SurfaceCapabilitiesKHR> {
         // SAFETY: the device is of the surface's live instance.
         unsafe { self.functions.get_physical_device_surface_capabilities(device, self.raw) }
     }
 
-    /// Surface formats of `device`.
+    /// Returns the surface formats of `device`.
     ///
     /// # Errors
-    /// Where the surface is lost.
+    /// Fails if the surface is lost.
     pub fn formats(&self, device: vk::PhysicalDevice) -> VkResult<Vec<vk::SurfaceFormatKHR>> {
         // SAFETY: as in `capabilities`.
         unsafe { self.functions.get_physical_device_surface_formats(device, self.raw) }
     }
 
-    /// Presentation modes of `device`.
+    /// Returns the presentation modes of `device`.
     ///
     /// # Errors
-    /// Where the surface is lost.
+    /// Fails if the surface is lost.
     pub fn present_modes(&self, device: vk::PhysicalDevice) -> VkResult<Vec<vk::PresentModeKHR>> {
         // SAFETY: as in `capabilities`.
         unsafe { self.functions.get_physical_device_surface_present_modes(device, self.raw) }
     }
 
-    /// The handle.
+    /// Returns the handle.
     pub fn raw(&self) -> vk::SurfaceKHR {
         self.raw
     }
 
-    /// The instance.
+    /// Returns the instance.
     pub fn instance(&self) -> &Arc<Instance> {
         &self.instance
     }

@@ -1,4 +1,4 @@
-//! The swapchain of a window.
+//! Swapchain of a window.
 
 use super::device::Device;
 use super::failure;
@@ -20,9 +20,9 @@ pub enum Presented<T> {
     Lost,
 }
 
-/// A swapchain, with the semaphore of each image that its presentation waits for.
+/// Swapchain, with one semaphore per image that its presentation waits for.
 pub struct Swapchain {
-    // Views of the swapchain's own images: they go first.
+    // Views of the swapchain's images: dropped first.
     images: Vec<Image>,
     drawn: Vec<Semaphore>,
     raw: vk::SwapchainKHR,
@@ -33,11 +33,11 @@ pub struct Swapchain {
 }
 
 impl Swapchain {
-    /// A swapchain of `surface` in `size` (where the window system leaves the choice) that presents by `mode` or, where the
-    /// device does not know that, by FIFO. `None` for a window without area. `old` must not be in use.
+    /// Makes a swapchain of `surface` with `size` (if the window system leaves the choice) and presentation mode
+    /// `mode`, or FIFO if the device does not support it. `None` for a window without area. `old` must not be in use.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(
         device: &Arc<Device>,
         surface: &Arc<Surface>,
@@ -106,10 +106,10 @@ impl Swapchain {
         Ok(Presented::Done(Some(own)))
     }
 
-    /// The format of every swapchain of `surface`.
+    /// Returns the format of every swapchain of `surface`.
     ///
     /// # Errors
-    /// Where the surface is lost or takes no format of ours.
+    /// Fails if the surface is lost or supports no suitable format.
     pub fn format_of(device: &Device, surface: &Surface) -> Result<vk::Format> {
         let formats = surface
             .formats(device.candidate().raw)
@@ -117,10 +117,10 @@ impl Swapchain {
         format(&formats).map(|f| f.format)
     }
 
-    /// The index of the next image to draw; `acquired` is signalled when it is free.
+    /// Returns the index of the next image to draw; `acquired` is signalled when it is free.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn acquire(&self, acquired: &Semaphore) -> Result<Presented<usize>> {
         if self.device.loses_surface() {
             return Ok(Presented::Lost);
@@ -130,7 +130,7 @@ impl Swapchain {
             self.functions.acquire_next_image(self.raw, u64::MAX, acquired.raw(), vk::Fence::null())
         };
         match next {
-            // A swapchain that no longer fits can still be shown; presenting says so again.
+            // A suboptimal swapchain can still be presented; presenting reports it again.
             Ok((index, _)) => Ok(Presented::Done(index as usize)),
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Presented::Outdated),
             Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(Presented::Lost),
@@ -138,10 +138,10 @@ impl Swapchain {
         }
     }
 
-    /// Shows image `index` when the work that signals [`Swapchain::drawn`] is done.
+    /// Presents image `index` when the work that signals [`Swapchain::drawn`] is done.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn present(&self, index: usize) -> Result<Presented<()>> {
         let (semaphores, swapchains, indices) = ([self.drawn[index].raw()], [self.raw], [index as u32]);
         let info = vk::PresentInfoKHR::default()
@@ -158,17 +158,17 @@ impl Swapchain {
         }
     }
 
-    /// Image `index`.
+    /// Returns image `index`.
     pub fn image(&self, index: usize) -> &Image {
         &self.images[index]
     }
 
-    /// The semaphore that drawing image `index` must signal.
+    /// Returns the semaphore that drawing image `index` must signal.
     pub fn drawn(&self, index: usize) -> &Semaphore {
         &self.drawn[index]
     }
 
-    /// The presentation mode.
+    /// Returns the presentation mode.
     pub fn mode(&self) -> vk::PresentModeKHR {
         self.mode
     }
@@ -176,15 +176,16 @@ impl Swapchain {
 
 impl Drop for Swapchain {
     fn drop(&mut self) {
-        // Presentation has no fence of its own; a queue that is idle has presented. Only resizing and closing come here.
+        // Presentation has no fence; once the queue is idle, it has presented. This happens only when resizing and
+        // closing.
         self.device.wait_idle();
         self.images.clear();
-        // SAFETY: nothing uses the images any more, their views are gone.
+        // SAFETY: the images are no longer used, and their views are dropped.
         unsafe { self.functions.destroy_swapchain(self.raw, None) };
     }
 }
 
-/// The size of the surface, or `wished` within its limits where the window system leaves the choice.
+/// Returns the size of the surface, or `wished` within its limits if the window system leaves the choice.
 fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, wished: [u32; 2]) -> vk::Extent2D {
     const CHOICE: u32 = u32::MAX;
     if capabilities.current_extent.width != CHOICE {
@@ -200,7 +201,8 @@ fn extent(capabilities: &vk::SurfaceCapabilitiesKHR, wished: [u32; 2]) -> vk::Ex
     }
 }
 
-/// A format of 8 bits per channel without sRGB conversion: the picture has its transfer function applied already.
+/// Returns a format of 8 bits per channel without sRGB conversion: the picture has its transfer function applied
+/// already.
 fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
     let wanted = [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
     let fits = |f: &&vk::SurfaceFormatKHR| {
@@ -211,7 +213,7 @@ fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
     })
 }
 
-/// Opaque composition, if supported.
+/// Returns opaque composition if supported, otherwise the first supported one.
 fn opaque(supported: vk::CompositeAlphaFlagsKHR) -> vk::CompositeAlphaFlagsKHR {
     use vk::CompositeAlphaFlagsKHR as A;
     [A::OPAQUE, A::INHERIT, A::PRE_MULTIPLIED, A::POST_MULTIPLIED]

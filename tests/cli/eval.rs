@@ -255,3 +255,27 @@ fn a_material_reflects_at_every_wavelength_what_fresnel_says() {
     let refused = sandbox.run2(&["eval", "--queries", "queries.csv"], &["--ior", "2", "--material", "gold"]);
     refused.refused(2);
 }
+
+#[test]
+fn polarised_light_has_fresnel_s_reflectance_of_its_field() {
+    let sandbox = Sandbox::new();
+    sandbox.write("queries.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n50,0,50,180,550\n");
+    let ask = ["eval", "--queries", "queries.csv", "--surface", "flat", "--method", "reference"];
+    let value = |more: &[&str]| -> f64 {
+        let out = sandbox.run2(&ask, more).done();
+        out.lines().nth(1).unwrap().rsplit(',').next().unwrap().parse().unwrap()
+    };
+    // Fresnel's equations by the sine and the tangent law.
+    let (i, t) = (50f64.to_radians(), (50f64.to_radians().sin() / 1.5).asin());
+    let te = ((i - t).sin() / (i + t).sin()).powi(2);
+    let tm = ((i - t).tan() / (i + t).tan()).powi(2);
+    let plain = value(&[]);
+    for (name, expected) in [("te", te), ("tm", tm), ("none", 0.5 * (te + tm))] {
+        let found = value(&["--polarisation", name]) / plain * 0.5 * (te + tm);
+        assert!((found / expected - 1.0).abs() < 1e-9, "{name}: {found} {expected}");
+    }
+    let refused = |more: &[&str]| sandbox.run2(&ask, more).refused(2);
+    refused(&["--polarisation", "s"]);
+    refused(&["--polarisation", "te", "--reflectance", "schlick"]);
+    value(&["--polarisation", "none", "--reflectance", "schlick"]);
+}

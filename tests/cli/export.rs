@@ -1,6 +1,8 @@
 //! Materials for other programs.
 
+use crate::render::{deviation, exr};
 use crate::sandbox::Sandbox;
+use std::process::Command;
 
 /// A small export of a small surface, which takes a second.
 const EXPORT: [&str; 14] = [
@@ -103,10 +105,216 @@ fn the_port_to_python_gives_the_colours_of_the_table() {
     let sandbox = Sandbox::with_small_surface();
     sandbox.run(EXPORT).done();
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/integrations/python/diffract_material.py");
-    let answered = std::process::Command::new("python3").arg(script).arg(sandbox.path("material")).output();
+    let answered = Command::new("python3").arg(script).arg(sandbox.path("material")).output();
     let answered = answered.unwrap_or_else(|e| panic!("python3 does not run ({e}): install it"));
     assert!(answered.status.success(), "{}", String::from_utf8_lossy(&answered.stderr));
     sandbox.write("mine.csv", &answered.stdout);
     let line = sandbox.run(["export", "--check", "material", "--answers", "mine.csv"]).done();
     assert!(line.starts_with("right: "), "{line}");
+}
+
+/// The page of [`EXPORT`] for footprints from `footprint` on, which the sandbox then holds.
+fn page(sandbox: &Sandbox, footprint: &str) -> String {
+    let arguments = EXPORT.map(|word| match word {
+        "-o" => "--html",
+        "material" => "page.html",
+        "0.05" => footprint,
+        word => word,
+    });
+    sandbox.run(arguments).done();
+    String::from_utf8(sandbox.read("page.html")).unwrap()
+}
+
+#[test]
+fn a_page_is_one_file_that_loads_nothing() {
+    let sandbox = Sandbox::with_small_surface().without_vulkan();
+    let page = page(&sandbox, "0.05");
+    assert!(page.len() < 10_000_000 && page.len() > 100_000, "{} bytes", page.len());
+    for part in [
+        "diffract_rgb",
+        "webgl2",
+        "prefers-color-scheme",
+        "<h1 id=\"name\">small.png</h1>",
+        "10.1111/cgf.12425",
+        "data:image/png;base64,",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(page.contains("diffract export small.png --pixel-size 83.3333333nm --height 137.4nm --coherence gaussian:8um --footprint 0.05 --tolerance 5e-2 --html page.html"));
+    for from_elsewhere in
+        ["http:", "https:", "src=\"/", "url(", "import ", "fetch(", "XMLHttpRequest", "{{", "<link"]
+    {
+        assert!(!page.contains(from_elsewhere), "{from_elsewhere}");
+    }
+    let before = sandbox.content();
+    let refused = |more: &[&str], code: i32, what: &str| {
+        let line = sandbox.run2(&EXPORT[..6], more).refused(code);
+        assert!(line.contains(what), "{more:?}: {line}");
+    };
+    refused(&["--html", "page.html", "--budget", "8MB"], 2, "--budget 6.7MB");
+    refused(&["--html", "none/page.html"], 1, "none");
+    refused(&["--html", "small.png"], 2, "small.png");
+    assert_eq!(sandbox.content(), before);
+}
+
+/// What Chromium makes of a page: the document after its scripts ran, and the lines of its log.
+fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
+    let profile = sandbox.path("profile");
+    let run = Command::new("chromium")
+        .args([
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu-sandbox",
+            "--use-angle=swiftshader",
+            "--enable-unsafe-swiftshader",
+        ])
+        .args([
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-dev-shm-usage",
+            "--enable-logging=stderr",
+        ])
+        .args(["--window-size=800,600", "--timeout=60000", "--virtual-time-budget=10000", "--dump-dom"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .arg(format!("file://{}", sandbox.path(name).display()))
+        .output();
+    let run = run
+        .unwrap_or_else(|e| panic!("chromium does not run ({e}): install it, as tools/setup.sh test does"));
+    (String::from_utf8_lossy(&run.stdout).into_owned(), String::from_utf8_lossy(&run.stderr).into_owned())
+}
+
+/// What a page notes in its document under `name`.
+fn noted<'a>(document: &'a str, name: &str) -> Option<&'a str> {
+    Some(document.split_once(&format!("data-{name}=\""))?.1.split_once('"')?.0)
+}
+
+/// The deviation that a page measured, if it did.
+fn measured_deviation(document: &str) -> Option<f64> {
+    noted(document, "deviation")?.parse().ok()
+}
+
+#[test]
+fn a_browser_shows_the_colours_of_the_table_and_has_nothing_to_say() {
+    let sandbox = Sandbox::with_small_surface().without_vulkan();
+    let page = page(&sandbox, "0.05");
+    let (document, log) = opened(&sandbox, "page.html");
+    let off = measured_deviation(&document)
+        .unwrap_or_else(|| panic!("{log}\n{}", &document[..document.len().min(4000)]));
+    eprintln!("{off:e}");
+    assert!(off > 0.0 && off <= 5e-3, "{off:e}");
+    assert!(!log.contains("CONSOLE"), "{log}");
+    // The page would tell of a shader that is wrong.
+    let wrong = page.replace("pair.toward * diffract_source", "pair.toward.yx * diffract_source");
+    assert!(wrong != page);
+    sandbox.write("wrong.html", wrong);
+    let off = measured_deviation(&opened(&sandbox, "wrong.html").0).unwrap();
+    assert!(off > 5e-2, "{off:e}");
+}
+
+#[test]
+fn a_browser_draws_the_plate_as_this_program_does() {
+    /// Side of the picture [pixels].
+    const SIDE: usize = 48;
+    // The camera, the plate and the light of the page: a focal length of 3.2, an eye 4.75 from a plate of 2 * 0.86.
+    const PITCH: f64 = -0.5;
+    let (field_of_view, distance) = (2.0 * (1.0f64 / 3.2).atan().to_degrees(), 4.75 * 0.5 / 0.86);
+    let (x, y) = (0.1f64, 0.45f64);
+    let light = format!("{},{}", x.hypot(y).asin().to_degrees(), y.atan2(x).to_degrees());
+    let sandbox = Sandbox::with_small_surface();
+    let page = page(&sandbox, "0");
+    let hands = format!(
+        "<script>Object.assign(state, {{ shape: PLATE, yaw: 0, pitch: {PITCH}, light: [{x}, {y}] }});\
+         document.documentElement.dataset.radiance = radiance({SIDE}, {SIDE}).join();</script></body>"
+    );
+    sandbox.write("page.html", page.replace("</body>", &hands));
+    let (document, log) = opened(&sandbox, "page.html");
+    let numbers = noted(&document, "radiance").unwrap_or_else(|| panic!("{log}"));
+    let numbers: Vec<f32> = numbers.split(',').map(|number| number.parse().unwrap()).collect();
+    let shown: Vec<[f32; 4]> = numbers.as_chunks().0.to_vec();
+    let scene = format!(
+        "mesh = \"plate\"\nsurface = \"small.png\"\npixel_size = \"83.3333333nm\"\nheight = \"137.4nm\"\nlights = [\"{light}\"]\n\
+         [camera]\neye = [0.0, {}, {}]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = \"{field_of_view}deg\"\n",
+        distance * PITCH.sin(),
+        distance * PITCH.cos()
+    );
+    sandbox.write("plate.toml", scene);
+    let size = format!("{SIDE}x{SIDE}");
+    let picture = [
+        "render",
+        "plate.toml",
+        "--size",
+        &size,
+        "--samples",
+        "1",
+        "--coherence",
+        "gaussian:8um",
+        "--tolerance",
+        "5e-2",
+        "-o",
+        "plate.exr",
+    ];
+    sandbox.run(picture).done();
+    let ours = exr(&sandbox, "plate.exr").2;
+    // The page's rows go up. Pixels at the edge are left out.
+    let pairs = (0..SIDE * SIDE).map(|i| (shown[(SIDE - 1 - i / SIDE) * SIDE + i % SIDE], ours[i]));
+    let (shown, ours): (Vec<_>, Vec<_>) = pairs.filter(|(a, b)| a[3] == 1.0 && b[3] == 1.0).unzip();
+    assert!(shown.len() > SIDE * SIDE / 8, "{} pixels", shown.len());
+    let off = deviation(&shown, &ours);
+    eprintln!("{off:e} over {} pixels", shown.len());
+    assert!(off > 0.0 && off <= 5e-2, "{off:e}");
+    // A picture that is upside down is another one.
+    let turned: Vec<_> = shown.iter().rev().copied().collect();
+    assert!(deviation(&turned, &ours) > 0.2);
+}
+
+#[test]
+fn pictures_of_an_exported_table_are_those_of_the_surface_and_others_are_refused() {
+    const PICTURE: [&str; 15] = [
+        "render",
+        "plate",
+        "--surface",
+        "small.png",
+        "--pixel-size",
+        "83.3333333nm",
+        "--height",
+        "137.4nm",
+        "--coherence",
+        "gaussian:8um",
+        "--size",
+        "48x36",
+        "--samples",
+        "1",
+        "-o",
+    ];
+    let sandbox = Sandbox::with_small_surface();
+    let exported = |footprint: &str| {
+        let words = EXPORT.map(|word| if word == "0.05" { footprint } else { word });
+        sandbox.run(words).done();
+    };
+    let refused = |more: &[&str], what: &str| {
+        let line =
+            sandbox.run2(&PICTURE, &[&["a.exr", "--table", "material"], more].concat()).refused_somehow(what);
+        assert!(line.contains(what), "{more:?}: {line}");
+    };
+    let tolerance = ["--tolerance", "5e-2"];
+    exported("0.05");
+    refused(&tolerance, "it serves footprints from 5.00e-2 on");
+    exported("0");
+    sandbox.run2(&PICTURE, &["made.exr", "--tolerance", "5e-2"]).done();
+    sandbox.run2(&PICTURE, &["read.exr", "--tolerance", "5e-2", "--table", "material"]).done();
+    let off = deviation(&exr(&sandbox, "read.exr").2, &exr(&sandbox, "made.exr").2);
+    eprintln!("{off:e}");
+    // Both keep the tolerance.
+    assert!(off > 0.0 && off <= 5e-2, "{off:e}");
+    let other = |more: &[&str], what: &str| refused(&[&tolerance, more].concat(), what);
+    other(&["--illuminant", "a"], "another illuminant");
+    other(&["--beyond", "alike"], "beyond the patch");
+    other(&["--invert"], "another surface");
+    other(&["--material", "gold"], "another material");
+    other(&["--method", "reference"], "--method table");
+    refused(&["--tolerance", "1e-2"], "tolerance of 5e-2");
+    let texels = sandbox.read("material/table.ktx2");
+    sandbox.write("material/table.ktx2", &texels[..texels.len() - 1]);
+    other(&[], "it is truncated");
+    assert!(!sandbox.path("a.exr").exists());
 }

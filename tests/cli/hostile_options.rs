@@ -90,6 +90,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--order", &[NO_NUMBER, &["0", "-1", "1.5", "1001", "99999999999999999999"]]),
     ("--wavelength", &[NO_NUMBER, NO_LENGTH, &["5nm", "1mm", "400nmx500nm"]]),
     ("--ior", &[NO_NUMBER, &["0", "-1.5", "0.99", "11", "glass", "1,5", "1.5+0.1i"]]),
+    ("--polarisation", &[&["", " ", "TE", "te,tm", "s", "0"]]),
     ("--reflectance", &[&["", " ", "Fresnel", "fresnel,schlick", "cook-torrance", "0.04"]]),
     ("--shadows", &[&["", " ", "yes", "true", "1", "ON"]]),
     ("--environment", &[&["", " ", "night", "none/sky.hdr", "folder.png", "grey.png", "Sky"]]),

@@ -192,7 +192,10 @@ fn info_tells_what_scalar_theory_errs_by_on_a_material() {
     );
     assert!(glass.contains(" % at 75°") && glass.contains("on dielectric"), "{glass}");
     assert_ne!(metal, glass);
-    assert!(of(&["cd"]).starts_with("not known: RMS slopes in two directions"));
+    assert!(of(&["dvd"]).starts_with("not known: RMS slopes in two directions"));
+    assert!(of(&["elaphe"]).contains("along the grooves left out"));
+    let te = of(&[&long[..], &["glass", "--polarisation", "te"]].concat());
+    assert!(te.contains("dielectric in TE light") && te != glass, "{te}");
     let json = sandbox.run(["surface", "info", "sinusoid", "--json", "--material", "aluminium"]).done();
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
     let theory = &report["scalar_theory"];

@@ -5,9 +5,9 @@ use crate::evaluation::{layers, patch, shading, window};
 use diffract::optics::color::Tone;
 use diffract::render::footprints::{Distribution, median_pixel_area};
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::displayed;
+use diffract::render::renderer::{Picture, Renderer};
 use diffract::render::sampling::{PixelWeights, Sample, Sampling};
 use diffract::scene::{Camera, Light, Scene};
 use diffract::surface::synth::SurfaceKind;
@@ -18,10 +18,11 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [48, 36];
 const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 
-fn painter(device: &Arc<Device>, scene: &Scene) -> Painter {
+fn renderer(device: &Arc<Device>, scene: &Scene) -> Renderer {
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(SurfaceKind::Flat, 2.0), &shading);
-    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
+    crate::renderer(device, &window(&layers), &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+        .unwrap()
 }
 
 fn view(scene: &Scene) -> View {
@@ -30,8 +31,8 @@ fn view(scene: &Scene) -> View {
     view
 }
 
-fn all(painter: &mut Painter, view: &View, sampling: Sampling) -> Picture {
-    painter.paint_samples(view, &sampling, SHOWN, &mut |_| Ok(())).unwrap()
+fn all(renderer: &mut Renderer, view: &View, sampling: Sampling) -> Picture {
+    renderer.paint_samples(view, &sampling, SHOWN, &mut |_| Ok(())).unwrap()
 }
 
 /// The largest relative difference of colours, and the largest difference of alpha.
@@ -60,13 +61,13 @@ fn a_sum_of_one_sample_is_the_single_sample_to_the_bit() {
     let scene = Scene::open("snake").unwrap();
     let view = view(&scene);
     with_device(|device| {
-        let mut painter = painter(device, &scene);
-        let plain = painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+        let mut renderer = renderer(device, &scene);
+        let plain = renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let one = Sampling { count: 1, seed: 9 };
-        assert!(all(&mut painter, &view, one) == plain);
-        let added = painter.add_samples(&view, &one, SHOWN, SIZE, &mut |_| true).unwrap().unwrap();
+        assert!(all(&mut renderer, &view, one) == plain);
+        let added = renderer.add_samples(&view, &one, SHOWN, SIZE, &mut |_| true).unwrap().unwrap();
         assert_eq!(added, 1);
-        assert!(painter.picture().unwrap() == plain);
+        assert!(renderer.picture().unwrap() == plain);
     });
 }
 
@@ -76,14 +77,14 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
     let view = view(&scene);
     let sampling = Sampling { count: 8, seed: 3 };
     with_device(|device| {
-        let mut painter = painter(device, &scene);
-        let mean = all(&mut painter, &view, sampling);
-        assert!(all(&mut painter, &view, sampling) == mean, "the second time it is another picture");
-        assert!(all(&mut painter, &view, Sampling { seed: 4, ..sampling }) != mean, "no seed changes it");
+        let mut renderer = renderer(device, &scene);
+        let mean = all(&mut renderer, &view, sampling);
+        assert!(all(&mut renderer, &view, sampling) == mean, "the second time it is another picture");
+        assert!(all(&mut renderer, &view, Sampling { seed: 4, ..sampling }) != mean, "no seed changes it");
         let mut sum = vec![DVec4::ZERO; mean.radiance.len()];
         for index in 0..8 {
-            painter.draw_sample(&view, &sampling.sample(index), SHOWN).unwrap();
-            let single = painter.picture().unwrap().radiance;
+            renderer.draw_sample(&view, &sampling.sample(index), SHOWN).unwrap();
+            let single = renderer.picture().unwrap().radiance;
             assert!(difference(&single, &mean.radiance) > 1e-2, "sample {index} is not jittered");
             let weights = sampling.sample(index).weights();
             for (i, sum) in sum.iter_mut().enumerate() {
@@ -103,7 +104,7 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
         }
         // So it is by another tone.
         let neutral = Shown { tone: Tone::Neutral, ..SHOWN };
-        let shown = painter.paint_samples(&view, &sampling, neutral, &mut |_| Ok(())).unwrap().display;
+        let shown = renderer.paint_samples(&view, &sampling, neutral, &mut |_| Ok(())).unwrap().display;
         for (code, expected) in shown.iter().zip(&displayed(&mean.radiance, neutral)) {
             assert!((0..4).all(|c| code[c].abs_diff(expected[c]) <= 1), "{code:?}, expected {expected:?}");
         }
@@ -121,37 +122,37 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
     let mut other = view.clone();
     other.camera.phi += 0.2;
     with_device(|device| {
-        let (mut fresh, mut painter) = (painter(device, &scene), painter(device, &scene));
+        let (mut fresh, mut renderer) = (renderer(device, &scene), renderer(device, &scene));
         let expected = [all(&mut fresh, &view, sampling), all(&mut fresh, &other, sampling)];
-        let add = |painter: &mut Painter, view: &View, sampling: &Sampling, go_on: bool| {
-            painter.add_samples(view, sampling, SHOWN, SIZE, &mut |_| go_on).unwrap()
+        let add = |renderer: &mut Renderer, view: &View, sampling: &Sampling, go_on: bool| {
+            renderer.add_samples(view, sampling, SHOWN, SIZE, &mut |_| go_on).unwrap()
         };
-        assert_eq!(add(&mut painter, &view, &sampling, true), Some(1));
-        assert_eq!(add(&mut painter, &view, &sampling, true), Some(2));
-        assert_eq!(add(&mut painter, &view, &sampling, false), None);
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(1));
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(2));
+        assert_eq!(add(&mut renderer, &view, &sampling, false), None);
         // Neither another picture nor a look at directions disturbs the sum.
-        painter.draw(&other, 0.0, DVec3::ZERO).unwrap();
-        painter.directions(&other, 0).unwrap();
-        assert_eq!(add(&mut painter, &view, &sampling, true), Some(3));
-        assert_eq!(add(&mut painter, &view, &sampling, true), Some(4));
-        assert!(painter.picture().unwrap() == expected[0]);
-        assert_eq!(add(&mut painter, &view, &sampling, true), Some(4), "there are no more");
-        assert!(painter.picture().unwrap() == expected[0]);
-        assert!(painter.display_again(SIZE, Shown { exposure: SHOWN.exposure + 1.0, ..SHOWN }).unwrap());
-        let brighter = painter.picture().unwrap();
+        renderer.draw(&other, 0.0, DVec3::ZERO).unwrap();
+        renderer.directions(&other, 0).unwrap();
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(3));
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(4));
+        assert!(renderer.picture().unwrap() == expected[0]);
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(4), "there are no more");
+        assert!(renderer.picture().unwrap() == expected[0]);
+        assert!(renderer.display_again(SIZE, Shown { exposure: SHOWN.exposure + 1.0, ..SHOWN }).unwrap());
+        let brighter = renderer.picture().unwrap();
         assert!(brighter.radiance == expected[0].radiance && brighter.display != expected[0].display);
 
         let seeded = Sampling { seed: 2, ..sampling };
         for (view, sampling) in [(&other, &sampling), (&other, &seeded), (&other, &sampling)] {
-            assert_eq!(add(&mut painter, view, sampling, true), Some(1), "it does not start anew");
+            assert_eq!(add(&mut renderer, view, sampling, true), Some(1), "it does not start anew");
         }
         for _ in 1..4 {
-            add(&mut painter, &other, &sampling, true);
+            add(&mut renderer, &other, &sampling, true);
         }
-        assert!(painter.picture().unwrap() == expected[1]);
-        painter.resize([24, 18]).unwrap();
-        painter.resize(SIZE).unwrap();
-        assert_eq!(add(&mut painter, &other, &sampling, true), Some(1), "another size keeps a sum");
+        assert!(renderer.picture().unwrap() == expected[1]);
+        renderer.resize([24, 18]).unwrap();
+        renderer.resize(SIZE).unwrap();
+        assert_eq!(add(&mut renderer, &other, &sampling, true), Some(1), "another size keeps a sum");
     });
 }
 
@@ -160,11 +161,11 @@ fn sample_after_sample_the_device_holds_the_same() {
     let scene = Scene::open("sphere").unwrap();
     let (view, sampling) = (view(&scene), Sampling { count: 64, seed: 1 });
     with_device(|device| {
-        let mut painter = painter(device, &scene);
-        painter.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
+        let mut renderer = renderer(device, &scene);
+        renderer.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
         let before = device.memory_in_use();
         for _ in 1..64 {
-            painter.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
+            renderer.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
             assert_eq!(device.memory_in_use(), before);
         }
     });
@@ -215,11 +216,11 @@ fn coverage_beside_a_straight_edge_is_that_of_the_filter() {
         filter_beside_a_line((place - start).perp_dot(along), along, spline)
     };
     with_device(|device| {
-        let mut painter = painter(device, &scene);
+        let mut renderer = renderer(device, &scene);
         let mut former = f64::INFINITY;
         for count in [16u32, 64, 256, 1024] {
             let sampling = Sampling { count, seed: 5 };
-            let picture = all(&mut painter, &view, sampling);
+            let picture = all(&mut renderer, &view, sampling);
             let covered = picture.radiance[SIZE[0] as usize * 18];
             assert_eq!(covered[3], 1.0, "the plate is to the left");
             let error = |(i, p): (usize, &[f32; 4])| (f64::from(p[3]) - exact(i, sampling)).abs();
@@ -243,14 +244,17 @@ fn footprints_are_the_differences_of_directions() {
         for (name, count, tolerance) in [("plate", 4, 2e-5), ("plate", 1, 2e-5), ("sphere", 3, 2e-2)] {
             let scene = Scene::open(name).unwrap();
             let view = View::of(&scene, lights[..count].to_vec());
-            let mut painter = painter(device, &scene);
-            let plain = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
-            assert!(painter.directions(&view, 0).unwrap().footprints.is_empty());
-            painter.ask_for_footprints().unwrap();
-            assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == plain, "{name}: shading is disturbed");
+            let mut renderer = renderer(device, &scene);
+            let plain = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            assert!(renderer.directions(&view, 0).unwrap().footprints.is_empty());
+            renderer.ask_for_footprints().unwrap();
+            assert!(
+                renderer.paint(&view, 0.0, DVec3::ZERO).unwrap() == plain,
+                "{name}: shading is disturbed"
+            );
             let mut errors = Vec::new();
             for light in 0..count {
-                let seen = painter.directions(&view, light).unwrap();
+                let seen = renderer.directions(&view, light).unwrap();
                 let uv = |i: usize| {
                     let at = |v: &[f32; 4]| DVec2::new(v[0].into(), v[1].into());
                     (seen.view[i][3] == 1.0).then(|| -(at(&seen.light[i]) + at(&seen.view[i])))
@@ -302,9 +306,9 @@ fn footprints_of_a_sphere_are_those_of_exact_normals() {
         Some(DVec2::new(sum.dot(east), sum.dot(normal.cross(east))))
     };
     with_device(|device| {
-        let mut painter = painter(device, &scene);
-        painter.ask_for_footprints().unwrap();
-        let seen = painter.directions(&view, 0).unwrap();
+        let mut renderer = renderer(device, &scene);
+        renderer.ask_for_footprints().unwrap();
+        let seen = renderer.directions(&view, 0).unwrap();
         let mut errors = Vec::new();
         for (i, found) in seen.footprints.iter().enumerate().filter(|(i, _)| seen.view[*i][3] == 1.0) {
             let (x, y) = ((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
@@ -338,17 +342,17 @@ fn a_pixel_of_the_plate_shows_as_much_of_it_as_it_covers() {
     view.camera = Camera::looking(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 0.4).unwrap();
     let side = 2.0 * 2.0 * 0.2f64.tan() / f64::from(SIZE[1]);
     with_device(|device| {
-        let mut painter = painter(device, &scene);
-        let area = median_pixel_area(&mut painter, &view).unwrap().unwrap();
+        let mut renderer = renderer(device, &scene);
+        let area = median_pixel_area(&mut renderer, &view).unwrap().unwrap();
         assert!((area / (side * side) - 1.0).abs() < 5e-3, "{area} for {}", side * side);
         // From 60° the same pixel shows twice as much. From afar, where all pixels of the plate are seen from 60°.
         let eye = Vec3::new(3f32.sqrt(), 0.0, 1.0) * 20.0;
         view.camera = Camera::looking(eye, Vec3::ZERO, 0.02).unwrap();
         let side = 2.0 * 40.0 * 0.01f64.tan() / f64::from(SIZE[1]);
-        let area = median_pixel_area(&mut painter, &view).unwrap().unwrap();
+        let area = median_pixel_area(&mut renderer, &view).unwrap().unwrap();
         assert!((area / (2.0 * side * side) - 1.0).abs() < 5e-3, "{area} for {}", 2.0 * side * side);
         view.camera = Camera::looking(eye, eye * 2.0, 0.05).unwrap();
-        assert_eq!(median_pixel_area(&mut painter, &view).unwrap(), None);
+        assert_eq!(median_pixel_area(&mut renderer, &view).unwrap(), None);
     });
 }
 
@@ -358,9 +362,9 @@ fn the_jitter_moves_what_is_seen_and_not_how_it_is_lit() {
     let view = view(&scene);
     let whole = Sample { jitter: [2.0, -1.0], ..Sampling::ONE.sample(0) };
     with_device(|device| {
-        let mut painter = painter(device, &scene);
-        let still = painter.directions(&view, 0).unwrap();
-        let moved = painter.directions_of(&view, 0, &whole).unwrap();
+        let mut renderer = renderer(device, &scene);
+        let still = renderer.directions(&view, 0).unwrap();
+        let moved = renderer.directions_of(&view, 0, &whole).unwrap();
         let mut compared = 0;
         for y in 1..SIZE[1] as usize {
             for x in 0..SIZE[0] as usize - 2 {

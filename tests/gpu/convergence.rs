@@ -6,7 +6,6 @@ use crate::mean::{shading, source};
 use crate::measure::colours;
 use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Light, Scene};
@@ -54,13 +53,16 @@ fn many_samples_show_what_many_more_pixels_show() {
     with_device(|device| {
         let fine = SIZE.map(|n| n * FINER);
         let views = std::slice::from_ref(&view);
-        let sizes = footprints::sizes(device, &scene.mesh, views, fine, &Sampling::ONE).unwrap();
+        let sizes =
+            footprints::sizes(device, &scene.main_object().mesh, views, fine, &Sampling::ONE).unwrap();
         let source = source(device, &field, &shading, Method::Table, sizes);
-        let painter =
-            |size| Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
-        let exact = painter(fine).paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+        let renderer = |size| {
+            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap()
+        };
+        let exact = renderer(fine).paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let exact = supersampled(&exact.radiance);
-        let mut small = painter(SIZE);
+        let mut small = renderer(SIZE);
         let mut former = f64::INFINITY;
         // Of so many samples: what is measured, and a quarter on top. If samples counted for their own pixels alone, 64 would err by 0.109.
         for (count, allowed) in [(1, 0.67), (16, 0.145), (64, 0.066), (256, 0.028), (1024, 0.014)] {
@@ -82,7 +84,7 @@ fn more_samples_have_smaller_footprints_and_average_over_as_much() {
     with_device(|device| {
         let of = |count| {
             let (views, sampling) = (std::slice::from_ref(&view), Sampling { count, seed: 1 });
-            footprints::sizes(device, &scene.mesh, views, SIZE, &sampling).unwrap()
+            footprints::sizes(device, &scene.main_object().mesh, views, SIZE, &sampling).unwrap()
         };
         let [few, many] = [of(16), of(64)];
         assert_eq!(few.longer, many.longer);

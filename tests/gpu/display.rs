@@ -4,7 +4,6 @@ use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading, window};
 use diffract::optics::color::{Tone, display, display_over};
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::Scene;
@@ -22,15 +21,22 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
     let background = DVec3::new(0.1, 0.2, 0.3);
     with_device(|device| {
         let layers = layers(&field, &shading);
-        let mut painter =
-            Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+        let mut renderer = crate::renderer(
+            device,
+            &window(&layers),
+            &shading,
+            &scene.main_object().mesh,
+            &Pigment::white(),
+            SIZE,
+        )
+        .unwrap();
         let shows = |exposure, tone| Shown { exposure, tone, background };
         let one = Sampling::ONE.sample(0);
         for (exposure, tone) in
             [-3.0, 0.0, 2.5, 6.0].into_iter().flat_map(|ev| Tone::ALL.map(|tone| (ev, tone)))
         {
-            painter.draw_sample(&view, &one, shows(exposure, tone)).unwrap();
-            let picture = painter.picture().unwrap();
+            renderer.draw_sample(&view, &one, shows(exposure, tone)).unwrap();
+            let picture = renderer.picture().unwrap();
             let mut differing = 0;
             for (linear, code) in picture.radiance.iter().zip(&picture.display) {
                 let [r, g, b, alpha] = linear.map(f64::from);
@@ -51,14 +57,16 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
             );
         }
         // The twin is not indifferent: another exposure gives another picture.
-        let (dark, bright) =
-            (painter.paint(&view, -3.0, background).unwrap(), painter.paint(&view, 0.0, background).unwrap());
+        let (dark, bright) = (
+            renderer.paint(&view, -3.0, background).unwrap(),
+            renderer.paint(&view, 0.0, background).unwrap(),
+        );
         assert!(dark.display != bright.display && dark.radiance == bright.radiance);
         // Neither is it to the tone, and what is on the device needs no drawing to be displayed by another.
-        assert!(painter.display_again(SIZE, shows(0.0, Tone::Neutral)).unwrap());
-        let neutral = painter.picture().unwrap();
+        assert!(renderer.display_again(SIZE, shows(0.0, Tone::Neutral)).unwrap());
+        let neutral = renderer.picture().unwrap();
         assert!(neutral.display != bright.display && neutral.radiance == bright.radiance);
-        assert!(painter.display_again(SIZE, shows(0.0, Tone::None)).unwrap());
-        assert!(painter.picture().unwrap() == bright);
+        assert!(renderer.display_again(SIZE, shows(0.0, Tone::None)).unwrap());
+        assert!(renderer.picture().unwrap() == bright);
     });
 }

@@ -13,7 +13,6 @@ use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed, reference_picture};
 use diffract::render::shading::Shading;
@@ -317,10 +316,17 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
             };
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let source = grating(&layers, copies, &field);
-            let mut painter =
-                Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
-            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
-            let directions = [painter.directions(&view, 0).unwrap()];
+            let mut renderer = crate::renderer(
+                device,
+                &source,
+                &shading,
+                &scene.main_object().mesh,
+                &Pigment::white(),
+                size,
+            )
+            .unwrap();
+            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let directions = [renderer.directions(&view, 0).unwrap()];
             let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
             assert!(picture.radiance.iter().flatten().all(|x| x.is_finite()), "{copies:?}");
             let errors = [0, 1, 2].map(|c| channel(&picture.radiance, &exact, c));
@@ -471,18 +477,24 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
                 diffract::scene::obj::from_bytes(text.as_bytes()).unwrap_or_else(|e| panic!("{name}: {e}"));
             let mesh = mesh.turned(|[x, y, z]| [x, -z, y]);
             let mut scene = Scene::open("plate").unwrap();
-            scene.mesh = mesh;
+            scene.main_object_mut().mesh = mesh;
             let lights = [[0.0, 0.0], [89.9999, 10.0], [90.0, 200.0], [45.0, -90.0]]
                 .map(|[theta, phi]| Light::point(theta, phi, 1.0));
             let mut view = View::of(&scene, lights.to_vec());
             let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
-            let mut painter =
-                Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), size)
-                    .unwrap();
+            let mut renderer = crate::renderer(
+                device,
+                &window(&layers),
+                &shading,
+                &scene.main_object().mesh,
+                &Pigment::white(),
+                size,
+            )
+            .unwrap();
             for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
                 view.camera = diffract::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
                 for exposure in [-40.0, 0.0, 40.0] {
-                    let picture = painter.paint(&view, exposure, DVec3::splat(0.01)).unwrap();
+                    let picture = renderer.paint(&view, exposure, DVec3::splat(0.01)).unwrap();
                     for (i, pixel) in picture.radiance.iter().enumerate() {
                         assert!(
                             pixel.iter().all(|x| x.is_finite()),
@@ -491,8 +503,8 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
                     }
                     for tone in Tone::ALL {
                         let shown = Shown { exposure, tone, background: DVec3::splat(0.01) };
-                        assert!(painter.display_again(size, shown).unwrap());
-                        let display = painter.picture().unwrap().display;
+                        assert!(renderer.display_again(size, shown).unwrap());
+                        let display = renderer.picture().unwrap().display;
                         for (a, b) in display.iter().zip(&displayed(&picture.radiance, shown)) {
                             let far = (0..4).any(|c| a[c].abs_diff(b[c]) > 1);
                             assert!(

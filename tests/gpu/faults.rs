@@ -9,8 +9,8 @@ use diffract::measure::profile;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
+use diffract::render::renderer::Picture;
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::render::{target, upload};
@@ -51,8 +51,9 @@ fn view(scene: &Scene) -> View {
 }
 
 fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene) -> Result<Picture> {
-    let mut painter = Painter::new(device, source, shading, &scene.mesh, &Pigment::white(), [16, 12])?;
-    painter.paint(&view(scene), 0.0, DVec3::ZERO)
+    let mut renderer =
+        crate::renderer(device, source, shading, &scene.main_object().mesh, &Pigment::white(), [16, 12])?;
+    renderer.paint(&view(scene), 0.0, DVec3::ZERO)
 }
 
 #[test]
@@ -121,15 +122,15 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
     let view = view(&scene);
     with_device(|device| {
         let (allocations, samples) = with_each_allocation_failing(device, || {
-            let mesh = &scene.mesh;
-            let mut painter =
-                Painter::new(device, &window(&layers), &shading, mesh, &Pigment::white(), [16, 12])?;
-            let times = profile::measure(&mut painter, &view, 3, 1.0, &|_, _| Ok(()))?;
-            let rates = profile::rates(&mut painter, 16 * 12)?;
-            painter.directions(&view, 0)?;
-            painter.cosine_weighted(&queries(3, 5))?;
-            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), [16, 12], &mut |_| true)?;
-            let picture = painter.picture()?;
+            let mesh = &scene.main_object().mesh;
+            let mut renderer =
+                crate::renderer(device, &window(&layers), &shading, mesh, &Pigment::white(), [16, 12])?;
+            let times = profile::measure(&mut renderer, &view, 3, 1.0, &|_, _| Ok(()))?;
+            let rates = profile::rates(&mut renderer, 16 * 12)?;
+            renderer.directions(&view, 0)?;
+            renderer.cosine_weighted(&queries(3, 5))?;
+            renderer.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), [16, 12], &mut |_| true)?;
+            let picture = renderer.picture()?;
             let size = picture.size.map(|n| n as usize);
             let data = bytemuck::cast_slice(&picture.display);
             upload::texture(device, "picture", target::DISPLAY, size, None, data)?;
@@ -161,21 +162,27 @@ fn a_painter_that_could_not_grow_still_paints() {
     let scene = Scene::open("plate").unwrap();
     let view = view(&scene);
     with_device(|device| {
-        let mut painter =
-            Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [16, 12])
-                .unwrap();
-        let before = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let mut renderer = crate::renderer(
+            device,
+            &window(&layers),
+            &shading,
+            &scene.main_object().mesh,
+            &Pigment::white(),
+            [16, 12],
+        )
+        .unwrap();
+        let before = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
         for n in 1.. {
             device.refuse_allocation(n);
-            let grown = painter.resize([64, 48]);
+            let grown = renderer.resize([64, 48]);
             device.refuse_allocation(u64::MAX);
             if grown.is_ok() {
                 // Directions, depth, radiance and display.
                 assert!(n > 4, "growing takes allocations");
                 break;
             }
-            painter.resize([16, 12]).unwrap();
-            assert_eq!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap(), before, "after failure {n}");
+            renderer.resize([16, 12]).unwrap();
+            assert_eq!(renderer.paint(&view, 0.0, DVec3::ZERO).unwrap(), before, "after failure {n}");
         }
     });
 }
@@ -192,8 +199,14 @@ fn a_budget_of_memory_holds() {
     let scene = Scene::open("plate").unwrap();
     paint(&device, &window(&layers), &shading, &scene).unwrap();
     // 4096² pixels of geometry alone take four times as much.
-    let large =
-        Painter::new(&device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), [4096, 4096]);
+    let large = crate::renderer(
+        &device,
+        &window(&layers),
+        &shading,
+        &scene.main_object().mesh,
+        &Pigment::white(),
+        [4096, 4096],
+    );
     let error = large.err().expect("more than the budget");
     assert!(error.to_string().contains("no memory for the"), "{error}");
     assert!(error.remedies().contains(&Remedy::SmallerPicture), "{error}");

@@ -7,7 +7,6 @@ use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
@@ -106,17 +105,17 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
             let view = view(&scene, lights);
             let draw = |source: &_, shading: &Shading| {
                 let white = Pigment::white();
-                let mesh = &scene.mesh;
-                let mut painter = Painter::new(device, source, shading, mesh, &white, SIZE).unwrap();
+                let mesh = &scene.main_object().mesh;
+                let mut renderer = crate::renderer(device, source, shading, mesh, &white, SIZE).unwrap();
                 // A frame and its read-back, the accumulation of several, and another size.
-                painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+                renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
                 let sampling = Sampling { count: 3, seed: 1 };
-                painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
-                painter.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
-                painter.picture().unwrap();
-                painter.directions(&view, lights - 1).unwrap();
-                painter.resize([12, 8]).unwrap();
-                painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+                renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+                renderer.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
+                renderer.picture().unwrap();
+                renderer.directions(&view, lights - 1).unwrap();
+                renderer.resize([12, 8]).unwrap();
+                renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
             };
             let mut recordings = vec![recorded(device, || draw(&window(&layers), &one))];
             recordings.push(recorded(device, || {
@@ -163,13 +162,14 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
         let source =
             source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
         let events = recorded(device, || {
-            let mut painter =
-                Painter::new(device, &source, &mean(), &scene.mesh, &Pigment::white(), SIZE).unwrap();
-            painter.cast_shadows().unwrap();
-            painter.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
-            painter.paint_samples(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
-            painter.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
-            painter.picture().unwrap();
+            let mut renderer =
+                crate::renderer(device, &source, &mean(), &scene.main_object().mesh, &Pigment::white(), SIZE)
+                    .unwrap();
+            renderer.cast_shadows().unwrap();
+            renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+            renderer.paint_samples(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
+            renderer.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
+            renderer.picture().unwrap();
         });
         use Access::{
             ColorAttachment, DepthAttachment, HostRead, ShaderRead, TransferRead, TransferWrite, VertexRead,

@@ -9,7 +9,6 @@ use diffract::optics::color::Tone;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed_of, reference_picture};
 use diffract::render::sampling::Sampling;
@@ -59,17 +58,17 @@ fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
             let shading = Shading::default();
             let lights = view.light_count();
             assert_eq!(lights, count + usize::from(around));
-            let mut painter =
-                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
-            painter.ask_for_mirrored(1e-4);
+            let mut renderer =
+                crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
+            renderer.ask_for_mirrored(1e-4);
             if footprints {
-                painter.ask_for_footprints().unwrap();
+                renderer.ask_for_footprints().unwrap();
             }
             let sample = Sampling { count: 16, seed: 3 }.sample(5);
             let still = diffract::render::sampling::Sample { jitter: [0.0; 2], ..sample };
             for number in 0..lights {
                 let incident = view.incident(&LightPass::of_all(number, still));
-                let seen = painter.directions_of(&view, number, &still).unwrap();
+                let seen = renderer.directions_of(&view, number, &still).unwrap();
                 assert_eq!(seen.footprints.len(), if footprints { seen.light.len() } else { 0 });
                 for (i, found) in seen.light.iter().enumerate().filter(|(_, found)| found[3] == 1.0) {
                     let at = point(&view, i);
@@ -96,10 +95,10 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
             let (mesh, view) = floor(vec![light]);
             let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
             let source = Source::ClassicalGrating(ClassicalGrating::default());
-            let mut painter =
-                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
+            let mut renderer =
+                crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
             let sampling = Sampling { count: 256, seed: 4 };
-            let picture = painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+            let picture = renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
             for i in [0, 20, 15 * 40 + 20, 29 * 40 + 39] {
                 let (found, exact) = (f64::from(picture.radiance[i][1]), brightness(&lamp, point(&view, i)));
                 eprintln!("{text}: {found:.4}, {exact:.4}");
@@ -164,7 +163,15 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), [160, 120]).unwrap()
+            crate::renderer(
+                device,
+                source,
+                &shading,
+                &scene.main_object().mesh,
+                &Pigment::white(),
+                [160, 120],
+            )
+            .unwrap()
         };
         let mut found = new(&probe);
         found.ask_for_footprints().unwrap();
@@ -172,9 +179,9 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
         let seen = [0, 1].map(|light| found.directions_of(&view, light, &sample).unwrap());
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-        let mut painter = new(&source);
-        painter.draw_sample(&view, &sample, SHOWN).unwrap();
-        let error = colours(&painter.picture().unwrap().radiance, &exact);
+        let mut renderer = new(&source);
+        renderer.draw_sample(&view, &sample, SHOWN).unwrap();
+        let error = colours(&renderer.picture().unwrap().radiance, &exact);
         eprintln!("a sphere below two lamps: {error:.4}");
         assert!(error < 0.02, "{error}");
     });
@@ -196,11 +203,12 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     let size = [160, 120];
     let shown = Shown { exposure: -1.0, tone: Tone::Neutral, background: DVec3::ZERO };
     with_device(|device| {
-        let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), size).unwrap();
+        let mut renderer =
+            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap();
         for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
-            let picture = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let picture = renderer.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
             let expected = displayed_of(&view, size, &picture.radiance, shown);
             let (mut apart, mut behind) = (0, 0);
             // Covered by less than a whole sample, and of those the ones that are apart.
@@ -223,12 +231,12 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             // A picture of another view that is given up changes nothing of what is shown.
             let elsewhere = Camera { phi: view.camera.phi + 1.0, ..view.camera };
             let other = View { camera: elsewhere, ..view.clone() };
-            assert!(painter.draw_while(&other, shown, size, &mut |_| false).unwrap().is_none());
-            assert!(painter.display_again(size, shown).unwrap());
-            assert!(painter.picture().unwrap() == picture, "another view is behind {count} samples");
+            assert!(renderer.draw_while(&other, shown, size, &mut |_| false).unwrap().is_none());
+            assert!(renderer.display_again(size, shown).unwrap());
+            assert!(renderer.picture().unwrap() == picture, "another view is behind {count} samples");
             // Before a colour again.
             let plain = View { shows_surroundings: false, ..view.clone() };
-            let picture = painter.paint_samples(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let picture = renderer.paint_samples(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();
             let black = display_over(DVec3::ZERO, 0.0, Tone::None, 0.0, DVec3::ZERO);
             let uncovered = picture.radiance.iter().zip(&picture.display).filter(|(r, _)| r[3] == 0.0);
             assert!(uncovered.map(|(_, code)| [code[0], code[1], code[2]]).all(|code| code == black));

@@ -6,7 +6,6 @@ use crate::mean::{shading, source};
 use crate::measure::colours;
 use diffract::filter::FootprintSizes;
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Environment, Light, Scene};
@@ -34,11 +33,12 @@ fn alone_and_together(view: &View, alone: Sampling, together: Sampling) -> [Vec<
     with_device(|device| {
         let sizes = FootprintSizes { shorter: 1e-2, longer: 1e-2 };
         let source = source(device, &field, &shading, Method::Table, sizes);
-        let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
-        painter.cast_shadows().unwrap();
+        let mut renderer =
+            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
+        renderer.cast_shadows().unwrap();
         let mut paint = |view: &View, sampling: &Sampling| {
-            painter.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
+            renderer.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
         };
         let under = |lights: &[Light], environment: &Option<Environment>| View {
             lights: lights.to_vec(),

@@ -9,9 +9,9 @@ use diffract::optics::color::xyz_to_linear_srgb;
 use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
 use diffract::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
+use diffract::render::renderer::Renderer;
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
@@ -93,9 +93,9 @@ fn lights_of_several_spectra_add_up_to_pictures_under_each_alone() {
             let picture = |lights: Vec<Light>, sources: [ObjectSources; 2]| {
                 let view = View::of(&scene, lights);
                 let all = objects(&scene, &textures, &sources);
-                let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
-                painter.draw_sample(&view, &sample, shown).unwrap();
-                painter.picture().unwrap().radiance
+                let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
+                renderer.draw_sample(&view, &sample, shown).unwrap();
+                renderer.picture().unwrap().radiance
             };
             let of = |illuminants: &[Illuminant]| {
                 [sources(device, &field, method, illuminants), dark(illuminants)]
@@ -146,12 +146,12 @@ fn a_light_with_the_spectrum_of_the_scene_is_a_light_without_one() {
     with_device(|device| {
         let sources = [dark(&[Illuminant::D65]), dark(&[Illuminant::D65])];
         let all = objects(&scene, &textures, &sources);
-        let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
+        let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
         let mut picture = |spectra: [&str; 3]| {
             let texts = ["50,-60,2", "30,-100,1", "sphere:0.4:2,-2,2"];
             let light = |(text, spectrum)| Light::parse(&format!("{text}{spectrum}")).unwrap();
             let view = View::of(&scene, texts.into_iter().zip(spectra).map(light).collect());
-            painter.paint(&view, 0.0, DVec3::ZERO).unwrap()
+            renderer.paint(&view, 0.0, DVec3::ZERO).unwrap()
         };
         let without = picture([""; 3]);
         assert_eq!(picture(["@d65"; 3]), without);
@@ -167,11 +167,18 @@ fn a_white_surface_has_the_white_of_the_light() {
         for illuminant in [Illuminant::D65, Illuminant::A, Illuminant::E, Illuminant::Led] {
             let shading = Shading { reflectance: 1.0.into(), ..shading(illuminant.clone()) };
             let pigment = Pigment::white();
-            let mut painter =
-                Painter::new(device, &pigment_alone(), &shading, &scene.mesh, &pigment, SIZE).unwrap();
+            let mut renderer = crate::renderer(
+                device,
+                &pigment_alone(),
+                &shading,
+                &scene.main_object().mesh,
+                &pigment,
+                SIZE,
+            )
+            .unwrap();
             let lights = vec![Light::point(0.0, 0.0, 2.0)];
             let view = View { base_color: Vec3::ONE, ..View::of(&scene, lights) };
-            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let white = xyz_to_linear_srgb(illuminant.white()) * 2.0;
             let mut covered = 0;
             for pixel in picture.radiance.iter().filter(|pixel| pixel[3] > 0.0) {
@@ -200,9 +207,9 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
         for (method, most) in [(Method::Table, 2e-2)] {
             let sources = [sources(device, &field, method, &every)];
             let all = objects(&scene, &textures, &sources);
-            let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
-            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
-            let seen: Vec<_> = (0..3).map(|light| painter.directions(&view, light).unwrap()).collect();
+            let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
+            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let seen: Vec<_> = (0..3).map(|light| renderer.directions(&view, light).unwrap()).collect();
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
             let (mut difference, mut whole) = (0.0, 0.0);
             for (found, exact) in picture.radiance.iter().zip(&exact) {

@@ -14,7 +14,6 @@ use diffract::optics::spectrum::{Illuminant, SHORTEST};
 use diffract::render::directions::Directions;
 use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::sampling::Sampling;
@@ -65,9 +64,11 @@ fn radiance(
 ) -> Vec<DVec3> {
     const SIZE: [u32; 2] = [12, 12];
     let source = source(device, field, shading, Method::Table, FootprintSizes::default());
-    let mut painter = Painter::new(device, &source, shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+    let mut renderer =
+        crate::renderer(device, &source, shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+            .unwrap();
     let mean = |sampling: &Sampling| {
-        let picture = painter.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = renderer.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
         let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
         let (sum, count) = inside.fold((DVec3::ZERO, 0.0), |(sum, count), p| {
             (sum + DVec3::new(p[0].into(), p[1].into(), p[2].into()), count + 1.0)
@@ -156,7 +157,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     // What is measured, and a fifth or more on top.
     let cases = [(&in_studio, 0.02, 0.08), (&without_lamp, 0.028, 0.4)];
     with_device(|device| {
-        let (mesh, white) = (&scene.mesh, Pigment::white());
+        let (mesh, white) = (&scene.main_object().mesh, Pigment::white());
         for (view, allowed, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
             let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
@@ -164,11 +165,11 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                 reference_picture(&field, &shading, view, seen, &|_, _| Ok(())).unwrap()
             };
             let source = source(device, &field, &shading, Method::Table, sizes);
-            let mut painter = Painter::new(device, &source, &shading, mesh, &white, SIZE).unwrap();
-            painter.draw_sample(view, &sample, SHOWN).unwrap();
-            let found = painter.picture().unwrap().radiance;
+            let mut renderer = crate::renderer(device, &source, &shading, mesh, &white, SIZE).unwrap();
+            renderer.draw_sample(view, &sample, SHOWN).unwrap();
+            let found = renderer.picture().unwrap().radiance;
             let seen: Vec<Directions> =
-                (0..lights).map(|light| painter.directions_of(view, light, &sample).unwrap()).collect();
+                (0..lights).map(|light| renderer.directions_of(view, light, &sample).unwrap()).collect();
             let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
             assert_eq!(mirrored, 1, "the surroundings alone are mirrored");
             let exact = reference(&seen);
@@ -280,12 +281,13 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
     view.base_color = Vec3::ONE;
     let column = |shadows: bool| -> Vec<f64> {
         let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
-        let mut painter = Painter::new(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
+        let mut renderer =
+            crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
         if shadows {
-            painter.cast_shadows().unwrap();
+            renderer.cast_shadows().unwrap();
         }
         let sampling = Sampling { count: samples, seed: 2 };
-        let picture = painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
         picture.radiance.iter().skip(1).step_by(3).map(|p| f64::from(p[1])).collect()
     };
     // The picture's top is the far end, x < 0. The floor is seen at 45 degrees.
@@ -335,19 +337,19 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                 let mut view = View::of(&scene, vec![Light::parse(light).unwrap()]);
                 view.base_color = Vec3::ONE;
                 let paint = |shadows: bool| {
-                    let mut painter = Painter::new(
+                    let mut renderer = crate::renderer(
                         device,
                         &source,
                         &Shading::default(),
-                        &scene.mesh,
+                        &scene.main_object().mesh,
                         &Pigment::white(),
                         [160, 120],
                     )
                     .unwrap();
                     if shadows {
-                        painter.cast_shadows().unwrap();
+                        renderer.cast_shadows().unwrap();
                     }
-                    painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
+                    renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
                 };
                 let (with, without) = (paint(true), paint(false));
                 let largest = without.iter().fold(0.0f32, |m, p| m.max(p[1]));
@@ -374,10 +376,10 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
             (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
             view.base_color = Vec3::ONE;
             let shading = Shading::default();
-            let mut painter =
-                Painter::new(device, &source, &shading, &mesh, &Pigment::white(), [40, 30]).unwrap();
-            painter.cast_shadows().unwrap();
-            painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
+            let mut renderer =
+                crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), [40, 30]).unwrap();
+            renderer.cast_shadows().unwrap();
+            renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
         };
         let (outward, inward) = (paint([a, b, c]), paint([a, c, b]));
         let lit = outward.iter().filter(|p| p[1] > 0.1).count();
@@ -397,11 +399,12 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
         const SIZE: [u32; 2] = [160, 90];
         let sizes = FootprintSizes { shorter: 0.01, longer: 0.03 };
         let source = source(device, &field, &shading, Method::Table, sizes);
-        let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
+        let mut renderer =
+            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
         let [few, more, most] = [16, 64, 256].map(|count| {
             let sampling = Sampling { count, seed: 1 };
-            painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
+            renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
         });
         let (few, more) = (colours(&few, &most), colours(&more, &most));
         eprintln!("the snake from 16 samples differs from 256 by {few:.3}, from 64 by {more:.3}");

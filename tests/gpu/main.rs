@@ -9,6 +9,7 @@ mod convergence;
 mod device;
 mod display;
 mod evaluation;
+mod export;
 mod extremes;
 mod faults;
 
@@ -32,3 +33,26 @@ mod single_samples;
 mod thesis;
 #[cfg(feature = "viewer")]
 mod viewer;
+
+use diffract::error::Result;
+use diffract::render::object::{ObjectData, ObjectSources};
+use diffract::render::pigment::Pigment;
+use diffract::render::renderer::Renderer;
+use diffract::render::shading::Shading;
+use diffract::render::source::Source;
+use diffract::scene::Mesh;
+use diffract::vk::device::Device;
+use std::sync::Arc;
+
+/// Returns a renderer of one object with its patch along the mesh.
+fn renderer(
+    device: &Arc<Device>,
+    source: &Source,
+    shading: &Shading,
+    mesh: &Mesh,
+    pigment: &Pigment,
+    size: [u32; 2],
+) -> Result<Renderer> {
+    let sources = ObjectSources::new(source.clone(), shading.clone());
+    Renderer::new(device, &[ObjectData::new(mesh, pigment, &sources)], size)
+}

@@ -9,6 +9,7 @@ use diffract::filter::{Covariance, FootprintSizes, MOST_OF_ROW};
 use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::material::Material;
+use diffract::optics::polarisation::Polarisation;
 use diffract::optics::reference::Reference;
 use diffract::optics::reflectance::{Film, Reflectance};
 use diffract::optics::spectrum::{Illuminant, SHORTEST};
@@ -17,7 +18,6 @@ use diffract::render::evaluator::Evaluator;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{
     PixelReference, ReferenceObject, ReferenceSamples, covered, reference_mean, reference_picture,
@@ -115,8 +115,13 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
     let field = patch(SurfaceKind::Elaphe, 8.0);
     let tolerance = 2e-2;
     with_device(|device| {
-        for (name, film) in [("gold", None), ("glass", film(1.9, 1.33))] {
-            let reflectance = Reflectance::Fresnel { material: material(name), film };
+        for (name, film, light) in [
+            ("gold", None, Polarisation::None),
+            ("glass", film(1.9, 1.33), Polarisation::None),
+            ("glass", None, Polarisation::Te),
+            ("glass", None, Polarisation::Tm),
+        ] {
+            let reflectance = Reflectance::of_material(material(name), film).polarised(light);
             let of =
                 |windows| Shading { windows, reflectance: reflectance.clone(), ..shading(8.0, tolerance) };
             let table =
@@ -133,7 +138,7 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
                     Evaluator::new(device, &source, shading).unwrap().cosine_weighted(&queries).unwrap()
                 };
                 let error = relative(&answers(&of(windows)), exact);
-                eprintln!("{name}, {film:?}, {windows:?} by {}: {error:.2e}", method.name());
+                eprintln!("{name}, {film:?}, {light:?}, {windows:?} by {}: {error:.2e}", method.name());
                 assert!(error <= tolerance, "{name}, {windows:?} by {}: {error:e}", method.name());
                 // Schlick's dielectric is far from it.
                 let plain = relative(&answers(&Shading { windows, ..shading(8.0, tolerance) }), exact);
@@ -159,9 +164,10 @@ const SIZE: [u32; 2] = [64, 48];
 fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Directions> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (shading, pigment, lights) = (Shading::default(), Pigment::white(), view.lights.len());
-    let mut painter = Painter::new(device, &source, &shading, &scene.mesh, &pigment, SIZE).unwrap();
-    painter.ask_for_footprints().unwrap();
-    (0..lights).map(|light| painter.directions(view, light).unwrap()).collect()
+    let mut renderer =
+        crate::renderer(device, &source, &shading, &scene.main_object().mesh, &pigment, SIZE).unwrap();
+    renderer.ask_for_footprints().unwrap();
+    (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect()
 }
 
 #[test]
@@ -175,9 +181,9 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
     with_device(|device| {
         let seen = directions(device, &scene, &view);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-        let mesh = &scene.mesh;
-        let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
-        let mut paint = |view: &View| painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
+        let mesh = &scene.main_object().mesh;
+        let mut renderer = crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+        let mut paint = |view: &View| renderer.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
         let found = errors(&paint(&view));
@@ -214,7 +220,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
     let mut view = View::of(&scene, vec![light]);
     let eye = Vec3::new(-2.42, 1.7, 1.74);
     view.camera = Camera::looking(eye, scene.camera.target, scene.camera.field_of_view).unwrap();
-    let reflectance = scene.reflectance.clone().unwrap();
+    let reflectance = scene.main_object().reflectance.clone().unwrap();
     assert!(reflectance.is_spectral(), "the scene has a material");
     // A mirror is in closed form. Of a patch of few orders a Gaussian so wide is read from the coarsest level, by cubics that hold colours over |w|
     // at one place of (u, v).
@@ -225,9 +231,16 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
             let seen = directions(device, &scene, &view);
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
             let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-            let mut painter =
-                Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
-            let found = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let mut renderer = crate::renderer(
+                device,
+                &source,
+                &shading,
+                &scene.main_object().mesh,
+                &Pigment::white(),
+                SIZE,
+            )
+            .unwrap();
+            let found = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
             assert!(errors.iter().all(|&e| e <= allowed), "{errors:?}");
@@ -246,7 +259,8 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
+            crate::renderer(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap()
         };
         let mut directions = new(&probe);
         directions.ask_for_footprints().unwrap();
@@ -281,12 +295,12 @@ fn a_turntable_does_not_shimmer() {
         let first = directions(device, &scene, &view_of(0));
         let pixels = error::sample(&covered(&first), COMPARED);
         let source = source(device, &field, &shading, Method::Table, sizes_of(&first));
-        let mesh = &scene.mesh;
-        let mut painter = Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+        let mesh = &scene.main_object().mesh;
+        let mut renderer = crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
         let reference = PixelReference::new(&field, &shading, &|_, _| Ok(())).unwrap();
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {
             let view = view_of(frame);
-            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let found = pixels.iter().map(|&i| Vec4::from(picture[i]).truncate().as_dvec3()).collect();
             let seen = directions(device, &scene, &view);
             [found, reference.colors(&view, &seen, &pixels, &|_, _| Ok(())).unwrap()]

@@ -9,8 +9,8 @@ use diffract::render::directions::Directions;
 use diffract::render::frame::{Shown, View};
 use diffract::render::grooves::GrooveDirections;
 use diffract::render::object::{ObjectData, ObjectSources, ObjectTextures, objects};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
+use diffract::render::renderer::Renderer;
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -81,17 +81,17 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         let sources = [first, second, pigment_alone()].into_iter().zip(shadings);
         let sources: Vec<_> = sources.map(|(source, shading)| ObjectSources::new(source, shading)).collect();
         let all = objects(&scene, &textures, &sources);
-        let mut painter = Painter::of_objects(device, &all, SIZE).unwrap();
-        painter.draw_sample(&view, &sample, shown).unwrap();
-        let together = painter.picture().unwrap();
-        let seen = painter.directions_of(&view, 0, &sample).unwrap();
+        let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
+        renderer.draw_sample(&view, &sample, shown).unwrap();
+        let together = renderer.picture().unwrap();
+        let seen = renderer.directions_of(&view, 0, &sample).unwrap();
         let without = objects(&scene, &textures, std::iter::repeat_n(&sources[2], 3));
-        let mut pigments = Painter::of_objects(device, &without, SIZE).unwrap();
+        let mut pigments = Renderer::new(device, &without, SIZE).unwrap();
         pigments.draw_sample(&view, &sample, shown).unwrap();
         let pigments = pigments.picture().unwrap();
         let (mut counts, mut greens) = ([0; 3], [[0.0; 2]; 3]);
         for (number, object) in all.iter().enumerate() {
-            let mut alone = Painter::of_objects(device, &[*object], SIZE).unwrap();
+            let mut alone = Renderer::new(device, &[*object], SIZE).unwrap();
             alone.draw_sample(&view, &sample, shown).unwrap();
             let alone = alone.picture().unwrap();
             for pixel in 0..together.radiance.len() {
@@ -115,8 +115,8 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         );
         // Sums of samples and tiles take the same way.
         let sampling = Sampling { count: 3, seed: 3 };
-        let whole = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
-        let again = painter.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+        let whole = renderer.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+        let again = renderer.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
         assert!(whole == again && whole.radiance != together.radiance);
     });
 }
@@ -132,9 +132,9 @@ fn objects_cast_shadows_on_each_other_and_on_the_ground_which_casts_none() {
     with_device(|device| {
         let all = objects(&scene, &textures, &sources);
         let lit = |objects: &[ObjectData<'_>], light: usize| {
-            let mut painter = Painter::of_objects(device, objects, SIZE).unwrap();
-            painter.cast_shadows().unwrap();
-            painter.directions(&view, light).unwrap()
+            let mut renderer = Renderer::new(device, objects, SIZE).unwrap();
+            renderer.cast_shadows().unwrap();
+            renderer.directions(&view, light).unwrap()
         };
         let bright = |seen: &Directions, pixel: usize| seen.light[pixel][2] > 0.0;
         let pixels = |seen: &Directions, number: usize| -> Vec<usize> {
@@ -162,16 +162,16 @@ fn directions(device: &Arc<Device>, view: &View, grooves: &GrooveDirections) -> 
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
     let object = ObjectData {
-        mesh: &scene.mesh,
+        mesh: &scene.main_object().mesh,
         pigment: &pigment,
         grooves,
         base_color: None,
         casts_shadows: true,
         sources: &sources,
     };
-    let mut painter = Painter::of_objects(device, &[object], SIZE).unwrap();
-    painter.ask_for_footprints().unwrap();
-    painter.directions(view, 0).unwrap()
+    let mut renderer = Renderer::new(device, &[object], SIZE).unwrap();
+    renderer.ask_for_footprints().unwrap();
+    renderer.directions(view, 0).unwrap()
 }
 
 /// `v` in a frame whose x is turned by `angle` \[rad\].
@@ -202,7 +202,7 @@ fn grooves_turn_the_directions_about_the_normal_by_an_angle_by_a_map_or_around_t
         [at.x + 0.5, at.y + 0.5]
     };
     with_device(|device| {
-        let plain = directions(device, &view, &GrooveDirections::along());
+        let plain = directions(device, &view, GrooveDirections::along());
         let angle_of: [(Grooves, &AngleAt); 3] = [
             (Grooves::Turned(35.0), &|_| Some(35f64.to_radians())),
             (Grooves::Radial, &|[u, v]| {

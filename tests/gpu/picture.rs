@@ -5,9 +5,9 @@ use crate::evaluation::{layers, patch, shading, window};
 use crate::measure::channel;
 use diffract::render::directions::Directions;
 use diffract::render::frame::View;
-use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
+use diffract::render::renderer::Picture;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::surface::HeightField;
@@ -27,10 +27,17 @@ fn paint(
     view: &View,
 ) -> (Picture, Vec<Directions>) {
     let layers = layers(field, shading);
-    let mut painter =
-        Painter::new(device, &window(&layers), shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
-    let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
-    let directions = (0..view.lights.len()).map(|light| painter.directions(view, light).unwrap()).collect();
+    let mut renderer = crate::renderer(
+        device,
+        &window(&layers),
+        shading,
+        &scene.main_object().mesh,
+        &Pigment::white(),
+        SIZE,
+    )
+    .unwrap();
+    let picture = renderer.paint(view, 0.0, DVec3::ZERO).unwrap();
+    let directions = (0..view.lights.len()).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)
 }
 
@@ -80,9 +87,16 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
         for lights in [vec![light(10.0)], [10.0, 80.0, 200.0, -60.0].map(light).to_vec()] {
             let plain = View::of(&scene, lights);
             let paint = |pigment: &Pigment, view: &View| {
-                let mut painter =
-                    Painter::new(device, &window(&layers), &shading, &scene.mesh, pigment, SIZE).unwrap();
-                painter.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
+                let mut renderer = crate::renderer(
+                    device,
+                    &window(&layers),
+                    &shading,
+                    &scene.main_object().mesh,
+                    pigment,
+                    SIZE,
+                )
+                .unwrap();
+                renderer.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
             };
             let textured = View { pigment: true, ..base(Vec3::ONE, &plain) };
             let found = paint(&green, &textured);

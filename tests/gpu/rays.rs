@@ -13,10 +13,10 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::grooves::GrooveDirections;
 use diffract::render::light_passes::LightPass;
 use diffract::render::object::{ObjectData, ObjectSources};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::rays::{RayObject, RayScene, RaySettings};
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
+use diffract::render::renderer::Renderer;
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -49,16 +49,16 @@ impl Case {
         let scene = Scene::open(name).unwrap();
         let lights = lights.iter().map(|text| Light::parse(text).unwrap()).collect();
         let view = View::of(&scene, lights);
-        let grooves = GrooveDirections::of(&scene.grooves).unwrap();
-        Self { name, mesh: scene.mesh, grooves, view, shadows: false }
+        let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
+        Self { name, mesh: scene.main_object().mesh.clone(), grooves, view, shadows: false }
     }
 
     fn object(&self) -> RayObject<'_> {
         RayObject { mesh: &self.mesh, grooves: &self.grooves, casts_shadows: true }
     }
 
-    /// Painter of the directions, with all data beside them.
-    fn painter(&self, device: &Arc<Device>) -> Painter {
+    /// Renderer of the directions, with all data beside them.
+    fn renderer(&self, device: &Arc<Device>) -> Renderer {
         let source = Source::ClassicalGrating(ClassicalGrating::default());
         let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
         let object = ObjectData {
@@ -69,12 +69,12 @@ impl Case {
             casts_shadows: true,
             sources: &sources,
         };
-        let mut painter = Painter::of_objects(device, &[object], SIZE).unwrap();
-        painter.ask_for_footprints().unwrap();
+        let mut renderer = Renderer::new(device, &[object], SIZE).unwrap();
+        renderer.ask_for_footprints().unwrap();
         if self.shadows {
-            painter.cast_shadows().unwrap();
+            renderer.cast_shadows().unwrap();
         }
-        painter
+        renderer
     }
 
     fn settings(&self) -> RaySettings {
@@ -215,10 +215,10 @@ fn pixels_see_what_rays_in_f64_meet() {
     with_device(|device| {
         for (case, footprint) in cases {
             let rays = RayScene::new(vec![case.object()]);
-            let mut painter = case.painter(device);
+            let mut renderer = case.renderer(device);
             for light in 0..case.view.light_count() {
                 let pass = LightPass::of_all(light, Sampling { count: 16, seed: 3 }.sample(5));
-                let found = painter.directions_in(&case.view, &pass).unwrap();
+                let found = renderer.directions_in(&case.view, &pass).unwrap();
                 assert_near(&case, &found, &rays.directions(&case.view, &pass, &case.settings()), footprint);
             }
         }
@@ -234,7 +234,7 @@ fn a_camera_that_stands_a_hundredth_aside_is_seen() {
     aside.camera.phi += 0.01;
     let moved = rays.directions(&aside, &pass, &case.settings());
     with_device(|device| {
-        let found = case.painter(device).directions_in(&case.view, &pass).unwrap();
+        let found = case.renderer(device).directions_in(&case.view, &pass).unwrap();
         let view = differences(&found, &moved).view;
         assert!(quantile(&view, 0.5) > 5e-3, "{}", quantile(&view, 0.5));
         let mut lower = case.view.clone();
@@ -255,10 +255,10 @@ fn shadows_fall_where_rays_to_the_light_are_blocked() {
     case.shadows = true;
     let rays = RayScene::new(vec![case.object()]);
     with_device(|device| {
-        let mut painter = case.painter(device);
+        let mut renderer = case.renderer(device);
         for light in [0, 1] {
             let pass = LightPass::of_all(light, Sampling::ONE.sample(0));
-            let found = painter.directions_in(&case.view, &pass).unwrap();
+            let found = renderer.directions_in(&case.view, &pass).unwrap();
             let exact = rays.directions(&case.view, &pass, &case.settings());
             assert_near(&case, &found, &exact, [0.02, 0.05]);
             let free = RaySettings { shadows: false, ..case.settings() };
@@ -276,10 +276,10 @@ fn surroundings_are_mirrored_where_rays_lead() {
         case.view.environment = Some(Environment::open("studio").unwrap());
         let rays = RayScene::new(vec![case.object()]);
         with_device(|device| {
-            let mut painter = case.painter(device);
-            painter.ask_for_mirrored(SPREAD);
+            let mut renderer = case.renderer(device);
+            renderer.ask_for_mirrored(SPREAD);
             let pass = LightPass::of_all(0, Sampling::ONE.sample(0));
-            let found = painter.directions_in(&case.view, &pass).unwrap();
+            let found = renderer.directions_in(&case.view, &pass).unwrap();
             let settings = RaySettings { specular_spread: Some(SPREAD), ..case.settings() };
             let pixels = |seen: &Directions| -> Vec<[f32; 4]> {
                 seen.mirrored.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect()
@@ -322,9 +322,9 @@ fn a_flat_plate_has_its_highlight_where_it_mirrors_the_light() {
     let expected = (clip + 1.0) * 0.5 * DVec2::new(PICTURE[0].into(), PICTURE[1].into());
     with_device(|device| {
         let source = source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut painter =
-            Painter::new(device, &source, &shading, &case.mesh, &Pigment::white(), PICTURE).unwrap();
-        let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let mut renderer =
+            crate::renderer(device, &source, &shading, &case.mesh, &Pigment::white(), PICTURE).unwrap();
+        let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
         let found = centroid(&picture.radiance, PICTURE);
         eprintln!("highlight at {found:.2}, mirrored light at {expected:.2}");
         // Across the highlight the cosines change by some per cent.
@@ -342,31 +342,35 @@ fn shading(tolerance: f64) -> Shading {
     .for_pictures()
 }
 
-/// Painter of the scene, shaded from `source`.
-fn painter_of(device: &Arc<Device>, scene: &Scene, source: &Source, shading: &Shading) -> Painter {
+/// Renderer of the scene, shaded from `source`.
+fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, shading: &Shading) -> Renderer {
     let sources = ObjectSources::new(source.clone(), shading.clone());
-    let (pigment, grooves) = (Pigment::white(), GrooveDirections::of(&scene.grooves).unwrap());
+    let (pigment, grooves) = (Pigment::white(), GrooveDirections::of(&scene.main_object().grooves).unwrap());
     let object = ObjectData {
-        mesh: &scene.mesh,
+        mesh: &scene.main_object().mesh,
         pigment: &pigment,
         grooves: &grooves,
         base_color: None,
         casts_shadows: true,
         sources: &sources,
     };
-    let mut painter = Painter::of_objects(device, &[object], PICTURE).unwrap();
+    let mut renderer = Renderer::new(device, &[object], PICTURE).unwrap();
     if scene.shadows {
-        painter.cast_shadows().unwrap();
+        renderer.cast_shadows().unwrap();
     }
-    painter
+    renderer
 }
 
 /// Relative L2 error of the picture of `scene` by a table, with a surface of this `kind`, against the reference of rays.
 fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampling) -> f64 {
     let view = View { base_color: Vec3::ZERO, ..View::of(scene, scene.lights.clone()) };
     let (field, shading) = (patch(kind, 10.0), shading(1e-2));
-    let grooves = GrooveDirections::of(&scene.grooves).unwrap();
-    let rays = RayScene::new(vec![RayObject { mesh: &scene.mesh, grooves: &grooves, casts_shadows: true }]);
+    let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
+    let rays = RayScene::new(vec![RayObject {
+        mesh: &scene.main_object().mesh,
+        grooves: &grooves,
+        casts_shadows: true,
+    }]);
     let settings = RaySettings::new(PICTURE, scene.shadows, &shading);
     let object = ReferenceObject { field: Some(&field), shading: &shading, base_color: view.base_color };
     let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &|_| true };
@@ -375,8 +379,8 @@ fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampl
     let sizes = sizes_of(&(0..view.light_count()).map(of_first).collect::<Vec<_>>());
     let exact = reference_mean(&[object], &view, &samples, &mut directions, &|_, _| Ok(())).unwrap();
     let source = source(device, &field, &shading, Method::Table, sizes);
-    let mut painter = painter_of(device, scene, &source, &shading);
-    let picture = painter.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+    let mut renderer = renderer_of(device, scene, &source, &shading);
+    let picture = renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
     colours(&picture.radiance, &exact)
 }
 
@@ -408,13 +412,13 @@ fn kept_depth_maps_change_nothing() {
     views[1].camera.phi += 0.1;
     views[2].lights = vec![Light::parse("45,100,1").unwrap(), Light::parse("20,300,1").unwrap()];
     with_device(|device| {
-        let mut kept = case.painter(device);
+        let mut kept = case.renderer(device);
         // Two views under the same lights, and two lights in turn: maps are drawn, kept, and drawn anew.
         for view in &views {
             for light in [0, 1, 0] {
                 let pass = LightPass::of_all(light, Sampling::ONE.sample(0));
                 let found = kept.directions_in(view, &pass).unwrap();
-                let alone = case.painter(device).directions_in(view, &pass).unwrap();
+                let alone = case.renderer(device).directions_in(view, &pass).unwrap();
                 let pixels = found.light.iter().zip(&found.view);
                 let in_shadow =
                     pixels.filter(|(light, view)| view[3] != 0.0 && direction(**light).z <= 0.0).count();

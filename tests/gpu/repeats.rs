@@ -11,9 +11,9 @@ use diffract::optics::spectrum::Illuminant;
 use diffract::render::directions::Directions;
 use diffract::render::evaluator::Query;
 use diffract::render::frame::View;
-use diffract::render::picture::{Painter, Picture};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
+use diffract::render::renderer::Picture;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
@@ -55,10 +55,10 @@ fn paint(
     let Coherence::Repeats(copies) = shading.coherence else { panic!("{shading:?} has a window") };
     let layers = layers(field, shading);
     let source = grating(&layers, copies, field);
-    let (mesh, lights) = (&scene.mesh, view.lights.len());
-    let mut painter = Painter::new(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
-    let picture = painter.paint(view, 0.0, DVec3::ZERO).unwrap();
-    let directions = (0..lights).map(|light| painter.directions(view, light).unwrap()).collect();
+    let (mesh, lights) = (&scene.main_object().mesh, view.lights.len());
+    let mut renderer = crate::renderer(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
+    let picture = renderer.paint(view, 0.0, DVec3::ZERO).unwrap();
+    let directions = (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)
 }
 
@@ -68,7 +68,7 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
         queries(11, 400).into_iter().map(|query| Query { wavelength: None, ..query }).collect();
     with_device(|device| {
         let scene = Scene::open("plate").unwrap();
-        let mesh = &scene.mesh;
+        let mesh = &scene.main_object().mesh;
         for (copies, other) in [([3, 3], [3, 4]), ([20, 2], [19, 2])] {
             let (field, tolerance) = (patch(SurfaceKind::Blaze, 7.0), 1e-2);
             let exact: Vec<DVec3> = {
@@ -80,11 +80,11 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
                 let shading = shading(copies, tolerance);
                 let layers = layers(&field, &shading);
                 let source = grating(&layers, copies, &field);
-                let mut painter =
-                    Painter::new(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+                let mut renderer =
+                    crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
                 let single = Query { wavelength: Some(0.5), ..queries[0] };
-                assert!(painter.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
-                painter.cosine_weighted(&queries).unwrap()
+                assert!(renderer.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
+                renderer.cosine_weighted(&queries).unwrap()
             };
             let error = |copies| {
                 let found = answers(copies);

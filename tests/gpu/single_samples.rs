@@ -11,7 +11,6 @@ use diffract::optics::reflectance::Reflectance;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
 use diffract::render::sampling::Sampling;
@@ -43,9 +42,8 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     let scene = Scene::open(case.scene).unwrap();
     let lights = case.light.as_ref().map_or(scene.lights.clone(), |light| vec![light.clone()]);
     let view = View { base_color: Vec3::ZERO, ..View::of(&scene, lights) };
-    let reflectance = case.material.map_or(Reflectance::default(), |name| Reflectance::Fresnel {
-        material: Material::from_name_or_file(name).unwrap(),
-        film: None,
+    let reflectance = case.material.map_or(Reflectance::default(), |name| {
+        Reflectance::of_material(Material::from_name_or_file(name).unwrap(), None)
     });
     let shading = Shading {
         coherence: Coherence::Gaussian { length: 16.0 },
@@ -58,7 +56,8 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     let mut error = 0.0;
     with_device(|device| {
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size).unwrap()
+            crate::renderer(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap()
         };
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         found.ask_for_footprints().unwrap();
@@ -165,19 +164,20 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
     let size = [24, 18];
     with_device(|device| {
         let new = |source: &Source| {
-            Painter::new(device, source, &shading, &scene.mesh, &Pigment::white(), size).unwrap()
+            crate::renderer(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
+                .unwrap()
         };
         let sample = Sampling::ONE.sample(0);
-        let mut painter = new(&source);
-        painter.draw_sample(&view, &sample, SHOWN).unwrap();
-        let whole = painter.picture().unwrap();
+        let mut renderer = new(&source);
+        renderer.draw_sample(&view, &sample, SHOWN).unwrap();
+        let whole = renderer.picture().unwrap();
         let mut pieces = Vec::new();
         let mut next = |drawn: f64| {
             pieces.push(drawn);
             true
         };
-        painter.draw_while(&view, SHOWN, size, &mut next).unwrap().unwrap();
-        assert!(painter.picture().unwrap() == whole);
+        renderer.draw_while(&view, SHOWN, size, &mut next).unwrap().unwrap();
+        assert!(renderer.picture().unwrap() == whole);
         // The first tile is 4 x 4 pixels.
         let share = 16.0 / f64::from(size[0] * size[1]);
         let of_first_tile = pieces.iter().filter(|&&drawn| drawn < 0.999 * share).count();
@@ -188,9 +188,9 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
             left -= 1;
             left > 0
         };
-        assert!(painter.draw_while(&view, SHOWN, size, &mut give_up).unwrap().is_none());
-        painter.draw_while(&view, SHOWN, size, &mut |_| true).unwrap().unwrap();
-        assert!(painter.picture().unwrap() == whole);
+        assert!(renderer.draw_while(&view, SHOWN, size, &mut give_up).unwrap().is_none());
+        renderer.draw_while(&view, SHOWN, size, &mut |_| true).unwrap().unwrap();
+        assert!(renderer.picture().unwrap() == whole);
     });
 }
 

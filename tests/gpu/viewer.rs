@@ -7,9 +7,9 @@ use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
 use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
-use diffract::render::picture::Painter;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_pixels;
+use diffract::render::renderer::Renderer;
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Environment, Light, Scene};
@@ -23,10 +23,11 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [96, 72];
 
-fn painter(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Painter {
+fn renderer(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Renderer {
     let (field, shading) = (patch(SurfaceKind::Elaphe, 6.0), shading(8.0, 1e-1));
     let layers = layers(&field, &shading);
-    Painter::new(device, &window(&layers), &shading, &scene.mesh, &Pigment::white(), size).unwrap()
+    crate::renderer(device, &window(&layers), &shading, &scene.main_object().mesh, &Pigment::white(), size)
+        .unwrap()
 }
 
 fn view(scene: &Scene, intensity: f64) -> View {
@@ -46,7 +47,8 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
     let dense = Shading { reflectance: 2.4.into(), ..before.clone() };
     with_device(|device| {
         let new = |source: &Source, shading: &Shading| {
-            Painter::new(device, source, shading, &scene.mesh, &Pigment::white(), SIZE).unwrap()
+            crate::renderer(device, source, shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap()
         };
         let cases = [
             (window(&layers), window(&layers), &lit),
@@ -56,23 +58,23 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
         ];
         for (first, then, shading) in cases {
             let expected = new(&then, shading).paint(&view, 0.0, DVec3::ZERO).unwrap();
-            let mut painter = new(&first, &before);
-            let former = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let mut renderer = new(&first, &before);
+            let former = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
             assert!(former != expected, "a change that changes something");
             let memory = device.memory_in_use();
             // With no room for anything as large as the layers: a few small tables are all that is taken.
-            painter.shade_by(&then, shading).unwrap();
+            renderer.shade_by(&then, shading).unwrap();
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
-            assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
+            assert!(renderer.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
             // In tiles, too, each of which is a submission of its own.
-            painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), SIZE, &mut |_| true).unwrap();
-            assert!(painter.picture().unwrap() == expected);
+            renderer.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), SIZE, &mut |_| true).unwrap();
+            assert!(renderer.picture().unwrap() == expected);
         }
         // Layers, coefficients and pigment alone take as many allocations as that and more.
-        let mut painter = new(&window(&layers), &before);
-        painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let mut renderer = new(&window(&layers), &before);
+        renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
         device.refuse_allocation(8);
-        painter.shade_by(&window(&layers), &lit).unwrap();
+        renderer.shade_by(&window(&layers), &lit).unwrap();
         device.refuse_allocation(u64::MAX);
     });
 }
@@ -87,10 +89,11 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
     let shading = Shading { windows: Windows::All, ..shading(16.0, 2e-2) }.for_pictures();
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
-        painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
-        let ProbeSamples { radiance, directions } = samples(&mut painter, &view).unwrap();
+        let mut renderer =
+            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
+        renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let ProbeSamples { radiance, directions } = samples(&mut renderer, &view).unwrap();
         let pixels: Vec<usize> = (0..radiance.len()).collect();
         let exact = reference_pixels(&field, &shading, &view, &directions, &pixels, &|_, _| Ok(())).unwrap();
         let square = |v: DVec3| v.length_squared();
@@ -110,15 +113,16 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
     let shading = Shading { windows: Windows::All, ..shading(16.0, 1e-1) }.for_pictures();
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut painter =
-            Painter::new(device, &source, &shading, &scene.mesh, &Pigment::white(), SIZE).unwrap();
-        assert!(painter.pixel(&view, [48, 36]).unwrap().is_none(), "nothing is drawn yet");
-        let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
-        let lights: Vec<_> = (0..2).map(|light| painter.directions(&view, light).unwrap()).collect();
+        let mut renderer =
+            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
+                .unwrap();
+        assert!(renderer.pixel(&view, [48, 36]).unwrap().is_none(), "nothing is drawn yet");
+        let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let lights: Vec<_> = (0..2).map(|light| renderer.directions(&view, light).unwrap()).collect();
         let mut covered = 0;
         for at in [[48, 36], [40, 20], [60, 50], [0, 0], [95, 71]] {
             let i = (at[1] * SIZE[0] + at[0]) as usize;
-            let pixel = painter.pixel(&view, at).unwrap();
+            let pixel = renderer.pixel(&view, at).unwrap();
             assert_eq!(pixel.is_some(), picture.radiance[i][3] > 0.0);
             let Some(pixel) = pixel else { continue };
             covered += 1;
@@ -129,11 +133,11 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
             }
         }
         assert!(covered >= 3);
-        assert!(painter.pixel(&view, SIZE).unwrap().is_none(), "beyond the picture");
-        assert!(painter.picture().unwrap() == picture, "nothing was drawn again");
+        assert!(renderer.pixel(&view, SIZE).unwrap().is_none(), "beyond the picture");
+        assert!(renderer.picture().unwrap() == picture, "nothing was drawn again");
         // The exposure of what is there can change without drawing it.
-        painter.resize(SIZE).unwrap();
-        assert!(painter.display_again(SIZE, Shown::plain(1.0, DVec3::ZERO)).unwrap());
+        renderer.resize(SIZE).unwrap();
+        assert!(renderer.display_again(SIZE, Shown::plain(1.0, DVec3::ZERO)).unwrap());
     });
 }
 
@@ -150,11 +154,17 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
             let sigma = shading.coherence.sigma().unwrap();
             let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
-            let mut painter =
-                Painter::new(device, &window(&layers), shading, &scene.mesh, &Pigment::white(), SIZE)
-                    .unwrap();
-            let picture = painter.paint(&view, 0.0, DVec3::ZERO).unwrap();
-            let directions = [painter.directions(&view, 0).unwrap()];
+            let mut renderer = crate::renderer(
+                device,
+                &window(&layers),
+                shading,
+                &scene.main_object().mesh,
+                &Pigment::white(),
+                SIZE,
+            )
+            .unwrap();
+            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let directions = [renderer.directions(&view, 0).unwrap()];
             (picture.radiance, window(&layers).cost(shading, &directions))
         };
         let (exact, whole) = drawn(&own);
@@ -176,9 +186,9 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
     let view = view(&scene, 2.0);
     let background = DVec3::splat(0.2);
     with_device(|device| {
-        let mut whole = painter(device, &scene, SIZE);
+        let mut whole = renderer(device, &scene, SIZE);
         let expected = whole.paint(&view, 1.0, background).unwrap();
-        let mut painter = painter(device, &scene, SIZE);
+        let mut renderer = renderer(device, &scene, SIZE);
         let mut asked = 0;
         let mut count = |part: f64| {
             assert!((0.0..1.0).contains(&part), "{part}");
@@ -186,10 +196,10 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
             true
         };
         assert!(
-            painter.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut count).unwrap().is_some()
+            renderer.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut count).unwrap().is_some()
         );
         assert!(asked >= 2, "the picture has more than one tile at first");
-        assert!(painter.picture().unwrap() == expected);
+        assert!(renderer.picture().unwrap() == expected);
         // Another light, given up after the first tile.
         let mut tiles = 0;
         let mut once = |_| {
@@ -197,18 +207,18 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
             tiles < 2
         };
         let other = View { lights: vec![Light::point(70.0, 100.0, 1.0)], ..view.clone() };
-        let done = painter.draw_while(&other, Shown::plain(1.0, background), SIZE, &mut once).unwrap();
+        let done = renderer.draw_while(&other, Shown::plain(1.0, background), SIZE, &mut once).unwrap();
         if done.is_none() {
-            assert!(painter.picture().unwrap().display == expected.display);
+            assert!(renderer.picture().unwrap().display == expected.display);
             assert!(
-                !painter.display_again(SIZE, Shown::plain(0.0, background)).unwrap(),
+                !renderer.display_again(SIZE, Shown::plain(0.0, background)).unwrap(),
                 "half a picture is none"
             );
         }
-        painter.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut |_| true).unwrap();
-        assert!(painter.display_again(SIZE, Shown::plain(2.0, background)).unwrap());
+        renderer.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut |_| true).unwrap();
+        assert!(renderer.display_again(SIZE, Shown::plain(2.0, background)).unwrap());
         let brighter = whole.paint(&view, 2.0, background).unwrap();
-        assert!(painter.picture().unwrap() == brighter && brighter.display != expected.display);
+        assert!(renderer.picture().unwrap() == brighter && brighter.display != expected.display);
     });
 }
 
@@ -218,16 +228,16 @@ fn a_smaller_picture_lies_in_the_corner_and_another_size_is_another_picture() {
     let view = view(&scene, 2.0);
     let small = [48, 36];
     with_device(|device| {
-        let expected = painter(device, &scene, small).paint(&view, 0.0, DVec3::ZERO).unwrap();
-        let mut painter = painter(device, &scene, SIZE);
-        painter.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), small, &mut |_| true).unwrap();
-        let shown = painter.picture().unwrap();
+        let expected = renderer(device, &scene, small).paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let mut renderer = renderer(device, &scene, SIZE);
+        renderer.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), small, &mut |_| true).unwrap();
+        let shown = renderer.picture().unwrap();
         for y in 0..small[1] as usize {
             let rows = [small[0], SIZE[0]].map(|width| y * width as usize);
             let row = |p: &[[u8; 4]], first: usize| p[first..first + small[0] as usize].to_vec();
             assert_eq!(row(&expected.display, rows[0]), row(&shown.display, rows[1]), "row {y}");
         }
-        painter.resize(small).unwrap();
-        assert!(painter.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
+        renderer.resize(small).unwrap();
+        assert!(renderer.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
     });
 }

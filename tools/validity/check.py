@@ -11,18 +11,18 @@ import numpy as np
 import grid
 import table
 
-# Kind, material, period and height in wavelengths.
+# Kind, material, period and height in wavelengths: drawn at random, evenly in the logarithms, more than 6 % from the periods of the grid.
 GRATINGS = [
-    ("sinusoid", "metal", 2.7, 0.15),
-    ("sinusoid", "metal", 6.4, 0.28),
-    ("sinusoid", "dielectric", 4.1, 0.13),
-    ("sinusoid", "dielectric", 10.0, 0.45),
-    ("blaze", "metal", 4.0, 0.5),
-    ("blaze", "dielectric", 2.6, 0.25),
-    ("blaze", "dielectric", 9.5, 0.4),
-    ("lamellar", "metal", 2.9, 0.14),
-    ("lamellar", "dielectric", 6.2, 0.27),
-    ("lamellar", "dielectric", 1.8, 0.08),
+    ("sinusoid", "metal", 1.6, 0.2),
+    ("sinusoid", "metal", 4.4, 0.41),
+    ("sinusoid", "dielectric", 1.6, 0.11),
+    ("sinusoid", "dielectric", 5.5, 0.22),
+    ("blaze", "metal", 8.7, 0.22),
+    ("blaze", "dielectric", 1.6, 0.38),
+    ("blaze", "dielectric", 3.7, 0.38),
+    ("lamellar", "metal", 6.8, 0.28),
+    ("lamellar", "dielectric", 2.0, 0.12),
+    ("lamellar", "dielectric", 14.3, 0.48),
 ]
 # Wavelength of the look-up [µm].
 WAVELENGTH = 0.55

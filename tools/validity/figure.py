@@ -36,14 +36,14 @@ def main():
     surfaces = {name: shape(sys.argv[1], [name]) for name in BUILT_IN}
     surfaces |= {Path(scan.split()[0]).stem: shape(sys.argv[1], scan.split()) for scan in sys.argv[2:]}
     print("\n".join(f"{name}: {found}" for name, found in surfaces.items()))
-    figure, axes = plt.subplots(len(KINDS), 4, figsize=(13, 12), layout="constrained", sharex=True, sharey=True)
+    figure, axes = plt.subplots(len(KINDS), 4, figsize=(16, 12), layout="constrained", sharex=True, sharey=True)
     for row, kind in zip(axes, KINDS):
         for panel, (material, angle) in zip(row, [(m, a) for m in MATERIALS for a in ANGLES]):
             at = 45 if kind == "rough" and angle == 30 else angle
             chosen = [r for r in rows if (r["kind"], r["material"], float(r["angle"])) == (kind, material, at)]
             x, y, error = (np.array([float(r[name]) for r in chosen]) for name in ["period", "height", "mean"])
             norm = LogNorm(1, 100)
-            dots = panel.scatter(x, y, c=np.clip(error, 1, 100), norm=norm, cmap="viridis", marker="s", s=150)
+            dots = panel.scatter(x, y, c=np.clip(error, 1, 100), norm=norm, cmap="viridis", marker="s", s=110)
             for px, py, e in zip(x, y, error):
                 light = e > 25
                 panel.text(px, py, f"{e:.0f}" if e < 999 else ">", ha="center", va="center", fontsize=6, color="black" if light else "white")

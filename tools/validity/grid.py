@@ -16,7 +16,7 @@ from profiles import blaze, lamellar, sinusoid
 
 # Aluminium at 550 nm (Rakić 1995); the refractive index of the default material.
 MATERIALS = {"metal": 0.958 + 6.69j, "dielectric": 1.5}
-PERIODS = [0.7, 1.05, 1.5, 2.2, 3.3, 5.0, 8.0, 12.5, 20.0]
+PERIODS = [0.7, 1.05, 1.5, 1.8, 2.2, 2.7, 3.3, 4.1, 5.0, 6.3, 8.0, 10.0, 12.5, 20.0]
 # Waves in a metal fall by e^(−2πkH) over the height H: beyond 0.8 they leave the range of 64-bit floats.
 HEIGHTS = {"metal": [0.05, 0.1, 0.2, 0.35, 0.6, 0.8], "dielectric": [0.05, 0.1, 0.2, 0.35, 0.6, 1.0]}
 ANGLES = [0, 30, 45, 60, 75]

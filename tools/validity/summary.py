@@ -7,6 +7,8 @@ import table
 
 # Height of the gratings that are shown [wavelengths].
 HEIGHT = 0.2
+# Periods that are shown [wavelengths].
+PERIODS = [0.7, 1.05, 1.5, 2.2, 3.3, 5.0, 8.0, 12.5, 20.0]
 
 
 def main():
@@ -18,10 +20,10 @@ def main():
         errors = [rows.get((*point, float(angle))) for angle in grid.ROUGH_ANGLES]
         return " / ".join("–" if e is None else f"{e:.2g}" if e < 99.5 else f"{e:.0f}" for e in errors)
 
-    print("| | " + " | ".join(f"{p}" for p in grid.PERIODS) + " |\n| --- |" + " --- |" * len(grid.PERIODS))
+    print("| | " + " | ".join(f"{p}" for p in PERIODS) + " |\n| --- |" + " --- |" * len(PERIODS))
     for kind in ["sinusoid", "blaze", "lamellar"]:
         for material in grid.MATERIALS:
-            print(f"| {kind}, {material} | " + " | ".join(cell(kind, material, p, HEIGHT) for p in grid.PERIODS) + " |")
+            print(f"| {kind}, {material} | " + " | ".join(cell(kind, material, p, HEIGHT) for p in PERIODS) + " |")
     print("\n| | " + " | ".join(f"{h}" for h in grid.ROUGH_HEIGHTS) + " |\n| --- |" + " --- |" * len(grid.ROUGH_HEIGHTS))
     for material in grid.MATERIALS:
         for p in grid.ROUGH_PERIODS:

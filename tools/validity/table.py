@@ -16,7 +16,7 @@ import grid
 TABLE = Path(__file__).parents[2] / "assets/validity/table.csv"
 # Orders nearer to the surface than this cosine are left out, as in docs/EFFICIENCY.md.
 SMALLEST_COSINE = 0.25
-COLUMNS = "kind,material,period,height,angle,mean,te,tm,half,most,specular,change,energy"
+COLUMNS = "kind,material,period,height,angle,mean,te,tm,specular,change,energy"
 
 
 def errors(directions, polarisation):
@@ -31,23 +31,14 @@ def errors(directions, polarisation):
     return np.concatenate(relative), np.concatenate(light)
 
 
-def percentile(relative, light, share):
-    """Returns the relative error that orders with this share of the light stay below."""
-    rising = np.argsort(relative)
-    reached = np.cumsum(light[rising]) - light[rising] / 2
-    return np.interp(share, reached, relative[rising])
-
-
 def row(point, directions):
     """Returns the row of a point, errors in percent; None where no order is diffracted."""
-    relative, light = errors(directions, "mean")
-    if light.size == 0:
+    if errors(directions, "mean")[1].size == 0:
         return None
     means = [np.sum(np.multiply(*errors(directions, p))) for p in ["mean", "te", "tm"]]
-    percentiles = [percentile(relative, light, share) for share in [0.5, 0.9]]
     zero = [found.order == 0 for found in directions]
     specular = max(abs(f.scalar["mean"][z] / f.rigorous["mean"][z] - 1)[0] for f, z in zip(directions, zero))
-    percent = [f"{100 * value:.3g}" for value in [*means, *percentiles, specular]]
+    percent = [f"{100 * value:.3g}" for value in [*means, specular]]
     checks = [f"{max(getattr(f, name) for f in directions):.0e}" for name in ["change", "energy"]]
     return [point.kind, point.material, *(f"{v:g}" for v in [point.period, point.height, point.angle]), *percent, *checks]
 

@@ -11,16 +11,16 @@ use crate::optics::geometry::direction;
 use crate::surface::HeightField;
 use glam::DVec3;
 
-/// Pixels on a side beyond which a figure shows no more.
+/// Largest side of a figure's map \[pixels\].
 const FINEST: u32 = 1000;
-/// Decades of the colour scale: from the mirror's spot to where its foothills are.
+/// Decades of the colour scale: from the specular peak to its tails.
 const DECADES: f64 = 6.0;
-/// Relative to the peak: what is darker counts as this bright where differences are relative.
+/// Floor of relative differences, relative to the peak.
 const FLOOR: f64 = 1e-6;
 /// Width and height of a map \[px\].
 const PANEL: [f64; 2] = [540.0, 470.0];
 
-/// Words about the surface, the lights and what is shown.
+/// Describes the surface, the lights and the quantity in words.
 fn settings(arguments: &Arguments, field: &HeightField) -> String {
     let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
     let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
@@ -37,7 +37,7 @@ fn settings(arguments: &Arguments, field: &HeightField) -> String {
     )
 }
 
-/// A map in false colour.
+/// Returns a map in false colour.
 fn panel(
     arguments: &Arguments,
     map: &HemisphereMap,
@@ -49,7 +49,7 @@ fn panel(
     decorated(arguments, panel.titled(title))
 }
 
-/// With a scale bar, and rings where mirrors send the lights.
+/// Adds a scale bar, and rings at the specular directions of the lights.
 fn decorated(arguments: &Arguments, panel: Panel) -> Panel {
     let mirrors = arguments.light.iter().map(|light| {
         let toward = direction(light.theta, light.phi);
@@ -60,7 +60,7 @@ fn decorated(arguments: &Arguments, panel: Panel) -> Panel {
     panel.with_scale_bar(0.2, "Δ sin θ = 0.2").named("mirror direction", rings)
 }
 
-/// A map as a display shows it.
+/// Returns a map as a display shows it.
 fn colored(arguments: &Arguments, map: &HemisphereMap) -> Panel {
     let pixel = |[r, g, b, inside]: &[f32; 4]| {
         let [r, g, b] = color::display(DVec3::new((*r).into(), (*g).into(), (*b).into()), arguments.exposure);
@@ -75,12 +75,12 @@ fn colored(arguments: &Arguments, map: &HemisphereMap) -> Panel {
     decorated(arguments, panel.titled(format!("Colour{exposure}")))
 }
 
-/// What the values of `map` are called.
+/// Returns the label of the values of `map`.
 fn quantity(arguments: &Arguments) -> &'static str {
     if arguments.wavelength.is_some() { "BRDF [sr⁻¹]" } else { "luminance of the BRDF [sr⁻¹]" }
 }
 
-/// One map: in colour and in luminance, or at its wavelength.
+/// Returns the figure of one map: in colour and in luminance, or at its wavelength.
 pub fn of_map(arguments: &Arguments, field: &HeightField, map: &HemisphereMap) -> Figure {
     let albedo = map.albedo();
     let map = map.reduced(FINEST);
@@ -103,7 +103,7 @@ pub fn of_map(arguments: &Arguments, field: &HeightField, map: &HemisphereMap) -
     Figure::new("").row(panels).panel_size(PANEL[0], PANEL[1]).caption(caption)
 }
 
-/// Two maps and their difference.
+/// Returns the figure of two maps and their difference.
 pub fn of_two(
     arguments: &Arguments,
     field: &HeightField,
@@ -138,7 +138,7 @@ pub fn of_two(
     Figure::new("").row(panels).panel_size(PANEL[0], PANEL[1]).caption(caption)
 }
 
-/// ‖a − b‖/‖b‖ over the disc.
+/// Returns ‖a − b‖/‖b‖ over the disc.
 pub fn deviation(a: &[f64], b: &[f64]) -> f64 {
     let inside = || a.iter().zip(b).filter(|(a, b)| !a.is_nan() && !b.is_nan());
     let of = |f: &dyn Fn(f64, f64) -> f64| inside().map(|(a, b)| f(*a, *b).powi(2)).sum::<f64>();
@@ -146,7 +146,7 @@ pub fn deviation(a: &[f64], b: &[f64]) -> f64 {
     if own > 0.0 { (difference / own).sqrt() } else { 0.0 }
 }
 
-/// What 98 % of `values` are within.
+/// Returns the end of a rounded axis from 0 that holds 98 % of the absolute `values`.
 fn spread(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().filter(|x| !x.is_nan()).map(|x| x.abs()).collect();
     sizes.sort_by(f64::total_cmp);

@@ -15,7 +15,7 @@ use crate::surface::HeightField;
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
 
-/// Directions by the direct sum from which on a word of warning is due.
+/// Number of directions by the direct sum from which a warning is shown.
 const MANY_SUMS: usize = 5_000;
 
 /// A square map, row by row from the top: linear sRGB \[sr⁻¹\], alpha 1 in the disc, 0 outside. At a single wavelength the
@@ -29,11 +29,11 @@ pub struct HemisphereMap {
 }
 
 impl HemisphereMap {
-    /// The map that `arguments` ask for of `field`, by `optics`.
+    /// Evaluates the map of `field` that `arguments` describe, by `optics`.
     pub fn of(arguments: &Arguments, optics: &OpticsOptions, field: &HeightField) -> Result<Self> {
         let side = arguments.size;
         let count = u64::from(side) * u64::from(side);
-        // The map, what a display shows of it, and what the encoder of a picture takes beside them.
+        // Memory of the map, its displayed copy and the encoder of a picture.
         memory::ensure_room(count * 48, "the map")?;
         let shading = optics.shading(&arguments.colour, field)?;
         let directions = views(side, 0..side).count() * arguments.light.len();
@@ -61,7 +61,7 @@ impl HemisphereMap {
         Ok(Self { side, pixels })
     }
 
-    /// The value of each pixel \[sr⁻¹\]: the BRDF at a single wavelength, the luminance of a colour. NaN outside the disc.
+    /// Returns the value of each pixel \[sr⁻¹\]: the BRDF at a single wavelength, the luminance of a colour. NaN outside the disc.
     pub fn values(&self) -> Vec<f64> {
         // The row of Y in XYZ from linear sRGB (IEC 61966-2-1); the weights add up to 1.
         let luminance = |[r, g, b, _]: [f32; 4]| {
@@ -70,13 +70,13 @@ impl HemisphereMap {
         self.pixels.iter().map(|p| if p[3] > 0.0 { luminance(*p) } else { f64::NAN }).collect()
     }
 
-    /// Albedo toward the upper hemisphere, ∫ f cos θ_r dω_r: on the disc of direction cosines cos θ dω is the area.
+    /// Returns the albedo toward the upper hemisphere, ∫ f cos θ_r dω_r: on the disc of direction cosines cos θ dω is the area.
     pub fn albedo(&self) -> f64 {
         let pixel = (2.0 / f64::from(self.side)).powi(2);
         self.values().into_iter().filter(|f| !f.is_nan()).sum::<f64>() * pixel
     }
 
-    /// The map with blocks of pixels averaged until its side is at most `most`.
+    /// Averages blocks of pixels until the side of the map is at most `most`.
     pub fn reduced(&self, most: u32) -> Self {
         let block = self.side.div_ceil(most);
         if block < 2 {
@@ -98,7 +98,7 @@ impl HemisphereMap {
     }
 }
 
-/// Linear sRGB of the directions of `tile`, all lights summed.
+/// Returns the linear sRGB of the directions of `tile`, all lights summed.
 fn shade(
     arguments: &Arguments,
     brdf: &mut dyn Brdf,
@@ -116,8 +116,8 @@ fn shade(
     Ok(sums.into_iter().map(rgb).collect())
 }
 
-/// The pixels of the disc in `rows` of a map of `side` pixels, and ω_r of each: pixel centre (i+½, j+½) is
-/// (s_x, s_y, √(1 − s²)), s_x = 2(i+½)/N − 1, s_y = 1 − 2(j+½)/N.
+/// Returns the pixels of the disc in `rows` of a map of `side` pixels, and ω_r of each: pixel centre (i+½, j+½) is (s_x, s_y, √(1 − s²)),
+/// s_x = 2(i+½)/N − 1, s_y = 1 − 2(j+½)/N.
 pub fn views(side: u32, rows: std::ops::Range<u32>) -> impl Iterator<Item = (usize, DVec3)> {
     let centre = move |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(side) - 1.0;
     let pixel = move |(i, j): (u32, u32)| {

@@ -11,7 +11,7 @@ use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::optics::color;
 use crate::picture_file;
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use crate::scene::FarLight;
 use crate::surface::HeightField;
 use crate::units;
@@ -22,7 +22,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use variant::Variant;
 
-/// Longest side of a map \[pixels\]: that of the images of today's devices, and thirteen gigabytes to make.
+/// Longest side of a map \[pixels\]: that of the images of today's devices; it takes thirteen gigabytes.
 const MAX_SIDE: u32 = 16_384;
 
 /// Arguments of `brdf`.
@@ -43,19 +43,19 @@ Examples:
 pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
-    /// Where the map goes: .png as displayed, .exr linear and signed
+    /// Output file: .png as displayed, .exr linear and signed
     #[arg(short, long, value_name = "FILE", required_unless_present = "plot")]
     output: Option<PathBuf>,
-    /// A labelled figure of the map: .svg or .png
+    /// Draw a labelled figure of the map: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Draw the figure of two ways and their difference: methods, bases or coherences, joined by + where both are meant
+    /// Draw the figure of two variants and their difference: methods, bases or coherences, joined by + if both change
     #[arg(
         long, value_name = "A,B", value_parser = Variant::pair, allow_hyphen_values = true, requires = "plot",
         conflicts_with = "output"
     )]
     compare: Option<[Variant; 2]>,
-    /// Where the light stands, in degrees from the normal and from +x toward +y; may be given several times
+    /// Direction of the light, in degrees from the normal and from +x toward +y; may be given several times
     #[arg(
         long, value_name = "THETA,PHI[,INTENSITY]", value_parser = FarLight::parse, allow_hyphen_values = true,
         required = true
@@ -64,7 +64,7 @@ pub struct Arguments {
     /// Width and height in pixels, equal
     #[arg(long, value_name = "NxN", value_parser = side, allow_hyphen_values = true, default_value = "512x512")]
     size: u32,
-    /// One wavelength, as in 550nm, in grey instead of the colour
+    /// Single wavelength, as in 550nm, in grey instead of the colour
     #[arg(long, value_name = "LENGTH", value_parser = wavelength, allow_hyphen_values = true)]
     wavelength: Option<f64>,
     /// Exposure of a PNG in stops
@@ -82,7 +82,7 @@ pub struct Arguments {
     cache: CacheOptions,
 }
 
-/// A square size.
+/// Parses a square size.
 fn side(text: &str) -> Result<u32> {
     match units::size(text)? {
         [x, y] if x == y && x <= MAX_SIDE => Ok(x),
@@ -101,7 +101,7 @@ fn wavelength(text: &str) -> Result<f64> {
     })
 }
 
-/// Evaluates and writes.
+/// Evaluates the map and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     let format = arguments.output.as_deref().map(picture_file::PictureFormat::of).transpose()?;
@@ -130,15 +130,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, surrounded: false };
-    picture_file::write(
-        path,
-        format,
-        &picture,
-        &captions::notes(&field, &arguments.optics.reflectance().unwrap_or_default()),
-    )
+    picture_file::write(path, format, &picture, &captions::notes(&field, &arguments.optics.reflectance(None)))
 }
 
-/// Two maps, their difference in a figure and in a line.
+/// Compares two maps, in a figure and in a line of text.
 fn compare(arguments: &Arguments, field: &HeightField, variants: &[Variant; 2], plot: &Path) -> Result<()> {
     let [a, b] = variants.each_ref().map(|variant| variant.of(&arguments.optics));
     let optics = [a?, b?];
@@ -150,7 +145,7 @@ fn compare(arguments: &Arguments, field: &HeightField, variants: &[Variant; 2], 
     Ok(())
 }
 
-/// As a display shows it; black outside the disc.
+/// Returns a pixel as a display shows it; black outside the disc.
 fn displayed([r, g, b, _]: [f32; 4], exposure: f64) -> [u8; 4] {
     let [r, g, b] = color::display(DVec3::new(r.into(), g.into(), b.into()), exposure);
     [r, g, b, 255]

@@ -1,4 +1,4 @@
-//! The two ways of `--compare`.
+//! The two variants of `--compare`.
 
 use crate::cli::options::{self, OpticsOptions};
 use crate::error::{Error, Result};
@@ -6,16 +6,16 @@ use crate::setup::Method;
 use crate::spectra::amplitude::expansion::Basis;
 use clap::ValueEnum;
 
-/// What of the optics differs from the other options.
+/// Optics options of a variant that differ from the other options.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// As it was written.
+    /// Name, as given by the user.
     pub name: String,
     words: Vec<String>,
 }
 
 impl Variant {
-    /// `A,B`: two variants.
+    /// Parses two variants `A,B`.
     pub fn pair(text: &str) -> Result<[Self; 2]> {
         match text.split(',').collect::<Vec<_>>()[..] {
             [a, b] => Ok([Self::parse(a)?, Self::parse(b)?]),
@@ -26,7 +26,7 @@ impl Variant {
         }
     }
 
-    /// Words joined by `+`: methods, bases, coherences.
+    /// Parses words joined by `+`: methods, bases, coherences.
     fn parse(text: &str) -> Result<Self> {
         let words: Vec<String> = text.split('+').map(|word| word.trim().to_owned()).collect();
         let known = |word: &String| method(word).is_some() || basis(word).is_some() || word.contains(':');
@@ -42,7 +42,7 @@ impl Variant {
         Ok(Self { name: text.trim().to_owned(), words })
     }
 
-    /// `options` with what this variant says.
+    /// Returns `options` changed by this variant.
     pub fn of(&self, options: &OpticsOptions) -> Result<OpticsOptions> {
         let mut own = options.clone();
         for word in &self.words {

@@ -1,4 +1,4 @@
-//! How a picture is displayed.
+//! Options of the display of a picture.
 
 use super::exposure;
 use crate::error::Result;
@@ -6,14 +6,14 @@ use crate::error::Result;
 /// The exposure of a display.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// So many stops.
+    /// Number of stops.
     Stops(f64),
-    /// What suits the picture.
+    /// Measured from the picture.
     Auto,
 }
 
 impl Exposure {
-    /// A number of stops, or `auto`.
+    /// Parses a number of stops, or `auto`.
     ///
     /// # Errors
     /// Neither of them.

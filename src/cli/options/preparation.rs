@@ -1,7 +1,7 @@
-//! The options that prepare a height field: one for each kind of [`PreparationStep`], applied in the order of the command line.
+//! Options that prepare a height field: one for each kind of [`PreparationStep`], applied in the order of the command line.
 //!
-//! Derived arguments forget their order, so these are built by hand: each step is parsed as one value of its option, and what clap remembers
-//! of their places puts the values of all options in order.
+//! Derived arguments forget their order, so these are built by hand: each step is parsed as one value of its option, and the indices that
+//! clap records put the values of all options in order.
 
 use crate::surface::prepare::{PreparationStep, WORDS};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
@@ -13,20 +13,20 @@ pub struct PreparationOptions {
 }
 
 impl PreparationOptions {
-    /// The steps in their order, `--level none` left out; `None` where no option names one.
+    /// Returns the steps in their order, `--level none` left out; `None` if no option names one.
     pub fn steps(&self) -> Option<Vec<PreparationStep>> {
         let all = self.given.iter().copied().filter(|step| !step.is_nothing()).collect();
         (!self.given.is_empty()).then_some(all)
     }
 }
 
-/// The options that repeat `steps`: `--level plane --crop 40um`.
+/// Returns the options that repeat `steps`: `--level plane --crop 40um`.
 #[cfg(any(feature = "viewer", test))]
 pub fn as_options(steps: &[PreparationStep]) -> String {
     steps.iter().map(|step| format!("--{step}")).collect::<Vec<_>>().join(" ")
 }
 
-/// What the help says of a step's option.
+/// Returns the help text of a step's option.
 fn help(word: &str) -> &'static str {
     match word {
         "level" => {
@@ -50,7 +50,7 @@ fn help(word: &str) -> &'static str {
     }
 }
 
-/// The option of a step.
+/// Returns the option of a step.
 fn option(word: &'static str, value: &'static str) -> Arg {
     let parse = move |text: &str| PreparationStep::from_option(word, text);
     let arg = Arg::new(word)

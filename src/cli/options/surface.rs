@@ -1,4 +1,4 @@
-//! The options that name a height field and say what is done to it before use.
+//! Options that name a height field and its preparation.
 
 use super::preparation::PreparationOptions;
 use super::seed;
@@ -24,13 +24,13 @@ pub struct SurfaceOptions {
     /// Distance between samples, as in 97.66nm or 80nmx90nm, instead of the file's
     #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     pub pixel_size: Option<[f64; 2]>,
-    /// Height that an image's largest code stands for, as in 434.7nm; full height of a built-in, or of a file instead of its own
+    /// Height of an image's largest code, as in 434.7nm; full height of a built-in surface, or of a file instead of the file's
     #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     pub height: Option<f64>,
     /// Channel of a file that has several, by name or number [default: the first height]
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
-    /// Which one of the many surfaces of a random kind, and where in a pixel `--samples` look
+    /// Seed of a random built-in surface, and of the positions in a pixel of `--samples`
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
     pub seed: u64,
     #[command(flatten)]
@@ -38,13 +38,13 @@ pub struct SurfaceOptions {
 }
 
 impl SurfaceOptions {
-    /// The file that the options name, if it is one and not a built-in.
+    /// Returns the file of the surface; `None` for a built-in one.
     pub fn files<'a>(&'a self, positional: Option<&'a OsStr>) -> Option<&'a OsStr> {
         let built_in = |name: &OsStr| name.to_str().and_then(SurfaceKind::from_name).is_some();
         positional.or(self.surface.as_deref()).filter(|name| !built_in(name))
     }
 
-    /// The height field that the options name, or `scene`'s, or `fallback`, prepared.
+    /// Loads and prepares the height field that the options name, or that of `scene`, or `fallback`.
     pub fn load(
         &self,
         positional: Option<&OsStr>,
@@ -55,10 +55,10 @@ impl SurfaceOptions {
         source.prepare(self.read(&source)?.into_field()?)
     }
 
-    /// The heights of `source` as they are; tells what a user should know about them.
+    /// Reads the heights of `source` without preparation; prints the warnings about them.
     pub fn read(&self, source: &SurfaceSource) -> Result<Topography> {
         let scan = source.read()?;
-        // What the user names is not asked about.
+        // A height that the user gives needs no question.
         let asked = |warning: &&String| !(self.height.is_some() && warning.ends_with(OVERRIDDEN_BY_HEIGHT));
         for warning in scan.origin().into_iter().flat_map(|origin| &origin.warnings).filter(asked) {
             say(&format_args!("{}: {warning}", source.name.display()));
@@ -66,7 +66,7 @@ impl SurfaceOptions {
         Ok(scan)
     }
 
-    /// What [`SurfaceOptions::load`] loads.
+    /// Returns the source that [`SurfaceOptions::load`] loads.
     pub fn source(
         &self,
         positional: Option<&OsStr>,
@@ -79,15 +79,17 @@ impl SurfaceOptions {
                 "give it as an argument or by --surface, not both",
             ));
         }
-        let own = positional.or(self.surface.as_deref());
-        let name = own.or(scene.map(|s| s.surface.as_os_str())).unwrap_or(OsStr::new(fallback));
         // A scene's units and steps belong to the scene's surface.
-        let of_scene = scene.filter(|_| own.is_none());
-        let pixel_size = self.pixel_size.or(of_scene.and_then(|s| s.pixel_size));
-        let height = self.height.or(of_scene.and_then(|s| s.full_height));
-        let steps_of_scene = || of_scene.map(|s| s.prepare.clone()).unwrap_or_default();
-        let prepare = self.preparation.steps().unwrap_or_else(steps_of_scene);
-        let channel = self.channel.clone();
-        Ok(SurfaceSource { name: name.to_owned(), pixel_size, height, channel, prepare, seed: self.seed })
+        let named = positional.or(self.surface.as_deref()).map(SurfaceSource::named);
+        let base = named.or_else(|| scene.map(Scene::main_surface));
+        let base = base.unwrap_or_else(|| SurfaceSource::named(OsStr::new(fallback)));
+        Ok(SurfaceSource {
+            name: base.name,
+            pixel_size: self.pixel_size.or(base.pixel_size),
+            height: self.height.or(base.height),
+            channel: self.channel.clone(),
+            prepare: self.preparation.steps().unwrap_or(base.prepare),
+            seed: self.seed,
+        })
     }
 }

@@ -1,4 +1,4 @@
-//! How a scene is looked at and lit, and how it is displayed.
+//! Options of camera, lights and display.
 
 use super::{Exposure, exposure};
 use crate::cli::say;
@@ -12,48 +12,48 @@ use glam::Vec3;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// How a scene is looked at, each instead of the scene's own.
+/// Camera, lights and display, each instead of the scene's.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "View")]
 pub struct ViewOptions {
-    /// Exposure in stops, instead of the scene's. auto displays the log-average luminance of what is lit as middle grey, to a tenth of a stop;
-    /// it is measured in one sample a pixel of the first picture and holds for all of a sequence, whichever part of it is drawn
+    /// Exposure in stops, instead of the scene's. auto displays the log-average luminance of the lit pixels as middle grey, to a tenth of a
+    /// stop; it is measured in one sample a pixel of the first picture and holds for all of a sequence, whichever part of it is drawn
     #[arg(long, value_name = "EV|auto", value_parser = Exposure::parse, allow_hyphen_values = true)]
     pub exposure: Option<Exposure>,
-    /// What the display makes of highlights, instead of what the scene says: none (moved to the edge of the gamut) or neutral (softly to white,
-    /// with their hue: the Khronos PBR Neutral Tone Mapper) [default: none]
+    /// Tone curve for highlights, instead of the scene's: none (moved to the edge of the gamut) or neutral (softly to white, with their
+    /// hue: the Khronos PBR Neutral Tone Mapper) [default: none]
     #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
     pub tone: Option<Tone>,
-    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; give it again for more lights. A point, or sun:THETA,PHI (0.533
-    /// degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, in the scene's units:
+    /// A light instead of the scene's lights and surroundings, in degrees from up and around it; give it again for more lights. A point, or
+    /// sun:THETA,PHI (0.533 degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, in the scene's units:
     /// sphere:DIAMETER:X,Y,Z[,STRENGTH] or rectangle:WIDTHxHEIGHT:X,Y,Z[,STRENGTH][:X,Y,Z that it faces], as in rectangle:0.4x0.2:0,-1,1.
-    /// STRENGTH is a radiance, or a power as in 60W; without it the middle of the scene gets what a light of intensity 1 gives.
-    /// @ and a name or file as for --illuminant behind it gives the light a spectrum of its own, as in sun:40,90@a
+    /// STRENGTH is a radiance, or a power as in 60W; without it the middle of the scene gets the light of intensity 1. A spectrum for this
+    /// light alone follows @, a name or file as for --illuminant, as in sun:40,90@a
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY][@SPECTRUM]", value_parser = Light::parse, allow_hyphen_values = true)]
     pub light: Vec<Light>,
     /// Surroundings that light the scene beside its lights, instead of the scene's: sky (overcast), studio, an equirectangular .exr or .hdr
     /// picture, or none
     #[arg(long, value_name = "NAME|FILE")]
     pub environment: Option<OsString>,
-    /// Turns the surroundings about the world's up, as in 90deg
+    /// Rotation of the surroundings about the world's up, as in 90deg
     #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
     pub rotate_environment: Option<f64>,
     /// Brightness of the surroundings in stops
     #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
     pub environment_exposure: Option<f64>,
-    /// Whether the mesh casts shadows on itself, instead of what the scene says
+    /// Shadows of the mesh on itself, instead of the scene's setting
     #[arg(long, value_name = "on|off", value_parser = switch)]
     pub shadows: Option<bool>,
-    /// Where the camera stands, instead of the scene's
+    /// Position of the camera, instead of the scene's
     #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
     pub eye: Option<[f64; 3]>,
-    /// What the camera looks at, instead of the scene's
+    /// Point that the camera looks at, instead of the scene's
     #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
     pub target: Option<[f64; 3]>,
     /// Vertical field of view, as in 35deg, instead of the scene's
     #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
     pub field_of_view: Option<f64>,
-    /// What is behind the mesh, instead of what the scene says: a colour, linear sRGB from 0 to 1, or the surroundings. An EXR has none
+    /// Background behind the mesh, instead of the scene's: a colour, linear sRGB from 0 to 1, or the surroundings. An EXR has none
     #[arg(long, value_name = "R,G,B|surroundings", value_parser = Background::parse, allow_hyphen_values = true)]
     pub background: Option<Background>,
     /// Albedo of the pigment, linear sRGB from 0 to 1, instead of the scene's
@@ -62,10 +62,10 @@ pub struct ViewOptions {
 }
 
 impl ViewOptions {
-    /// Changes what the options name in `scene`.
+    /// Applies the options to `scene`.
     ///
     /// # Errors
-    /// A camera that cannot be; surroundings that cannot be read.
+    /// An impossible camera; surroundings that cannot be read.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         light_by(&self.light, scene);
         self.surround(scene)?;
@@ -79,7 +79,7 @@ impl ViewOptions {
             scene.tone = tone;
         }
         if let Some(color) = self.base_color {
-            scene.base_color = color.map(|c| c as f32).into();
+            scene.main_object_mut().base_color = color.map(|c| c as f32).into();
         }
         if let Some(background) = self.background {
             if background == Background::Surroundings && scene.environment.is_none() {
@@ -104,7 +104,7 @@ impl ViewOptions {
 }
 
 impl ViewOptions {
-    /// The files that the options name, which are not built in.
+    /// Returns the files that the options name, without built-in names.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         let environment = self.environment.as_deref();
         let environment = environment.filter(|name| *name != "none" && !environment::is_built_in(name));
@@ -112,7 +112,7 @@ impl ViewOptions {
         environment.map(PathBuf::from).into_iter().chain(spectra)
     }
 
-    /// Changes the surroundings and shadows of `scene`.
+    /// Applies the options of surroundings and shadows to `scene`.
     fn surround(&self, scene: &mut Scene) -> Result<()> {
         scene.shadows = self.shadows.unwrap_or(scene.shadows);
         match self.environment.as_deref() {
@@ -144,7 +144,7 @@ impl ViewOptions {
     }
 }
 
-/// Lights `scene` by `named` alone, without surroundings, where the user names any.
+/// Lights `scene` by `named` alone, without surroundings, if the user names any.
 pub fn light_by(named: &[Light], scene: &mut Scene) {
     if !named.is_empty() {
         scene.lights = named.to_vec();

@@ -1,4 +1,4 @@
-//! Peaks as a labelled figure: wavelength against angle, and the period that each wavelength says.
+//! Peaks as a labelled figure: wavelength against angle, and the period that follows from each wavelength.
 
 use super::report::{FollowedBranch, Found};
 use super::sweep::AngleSweep;
@@ -10,12 +10,12 @@ use crate::optics::geometry::sin_cos_degrees;
 use crate::optics::grating;
 use crate::surface::HeightField;
 
-/// Pixels beyond which a figure shows no more.
+/// Largest size of a figure's map \[pixels\].
 const FINEST: [usize; 2] = [1200, 800];
 /// Decades of the colour scale.
 const DECADES: f64 = 5.0;
 
-/// The figure of a sweep and what was found in it.
+/// Returns the figure of a sweep and the peaks found in it.
 pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &AngleSweep, found: &[Found]) -> Figure {
     Figure::new("")
         .row(vec![map(arguments, sweep, found), periods(arguments, found)])
@@ -23,7 +23,7 @@ pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &AngleSweep, fo
         .caption(caption(arguments, field, found))
 }
 
-/// The response in false colour, the peaks, and where the grating equation has them.
+/// Returns the response in false colour, with the peaks and the angles of the grating equation.
 fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
     let half = |step: f64| step / 2.0;
     let ends = |values: &[f64], half: f64| (values[0] - half, values[values.len() - 1] + half);
@@ -59,7 +59,7 @@ fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
     panel
 }
 
-/// Periods \[µm\] whose grating equation is drawn: the given one, those of the branches, or the mean.
+/// Returns the periods \[µm\] whose grating equation is drawn: the given one, those of the branches, or the mean.
 fn drawn_periods(arguments: &Arguments, of: &Found) -> Vec<f64> {
     match arguments.period {
         Some(given) => vec![given],
@@ -68,9 +68,9 @@ fn drawn_periods(arguments: &Arguments, of: &Found) -> Vec<f64> {
     }
 }
 
-/// The angle of each wavelength's peak \[degrees, nm\], broken where the next one is of another order or branch.
+/// Returns the angle of each wavelength's peak \[degrees, nm\], broken between different orders or branches.
 fn ridge(found: &Found) -> Vec<[f64; 2]> {
-    /// Periods of neighbouring wavelengths, one over the other, that are still of one order.
+    /// Largest ratio of the periods of neighbouring wavelengths of one order.
     const SAME: f64 = 1.1;
     let mut points = Vec::with_capacity(found.peaks.len());
     let mut before: Option<(f64, Option<usize>)> = None;
@@ -87,7 +87,7 @@ fn ridge(found: &Found) -> Vec<[f64; 2]> {
     points
 }
 
-/// Where the grating equation sends each wavelength \[degrees, nm\]; not a number where the order does not propagate.
+/// Returns the angle of each wavelength by the grating equation \[degrees, nm\]; NaN if the order does not propagate.
 fn law(theta_i: f64, order: i32, period: f64, wavelengths: &[f64]) -> Vec<[f64; 2]> {
     let light = sin_cos_degrees(theta_i).0;
     let angle = |wavelength: f64| {
@@ -96,8 +96,8 @@ fn law(theta_i: f64, order: i32, period: f64, wavelengths: &[f64]) -> Vec<[f64; 
     wavelengths.iter().map(|&wavelength| [angle(wavelength), wavelength * 1e3]).collect()
 }
 
-/// The responses, the largest wavelength on top. Where they are finer than a figure, the largest of each block stays: a
-/// peak can be a single cell wide.
+/// Returns the responses, the largest wavelength on top. Finer responses are reduced to the largest of each block: a peak can be a single
+/// cell wide.
 fn raster(sweep: &AngleSweep) -> Raster {
     let size = [sweep.angles.len(), sweep.wavelengths.len()];
     let shown = [size[0].min(FINEST[0]), size[1].min(FINEST[1])];
@@ -113,7 +113,7 @@ fn raster(sweep: &AngleSweep) -> Raster {
     Raster::values(shown[0], &values, scale)
 }
 
-/// Periods of an order or of one of its branches, as the panel shows them.
+/// Periods of an order or of one of its branches, as drawn in the panel.
 struct Series {
     name: String,
     /// Wavelength and period \[nm\].
@@ -136,7 +136,7 @@ impl Series {
         Self { name, points, statistics }
     }
 
-    /// One of the order, or one of each of its branches.
+    /// Returns one series of the order, or one of each of its branches.
     fn of(found: &Found) -> Vec<Self> {
         let order = format!("order {}", found.sought.order);
         if found.branches.is_empty() {
@@ -150,7 +150,7 @@ impl Series {
     }
 }
 
-/// The period that each wavelength says, with the mean and the standard deviation.
+/// Returns the panel of the period at each wavelength, with the mean and the standard deviation.
 fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
     let series: Vec<Series> = found.iter().flat_map(Series::of).collect();
     let all = || series.iter().flat_map(|one| &one.points);

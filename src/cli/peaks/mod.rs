@@ -1,4 +1,4 @@
-//! `diffract peaks`: where each wavelength goes, against the grating equation.
+//! `diffract peaks`: peak angles of each wavelength, against the grating equation.
 
 mod figure;
 mod report;
@@ -20,19 +20,19 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use sweep::{AngleSweep, independent_windows};
 
-/// Most evaluations: a software device makes them in minutes.
+/// Largest number of evaluations: a software device makes them in minutes.
 const MAX_EVALUATIONS: usize = 50_000_000;
-/// Evaluations by the direct sum from which on a word of warning is due: minutes on a patch of 65 µm.
+/// Number of evaluations by the direct sum from which a warning is shown: minutes on a patch of 65 µm.
 const MANY_SUMS: usize = 20_000;
-/// Largest order that can be named.
+/// Largest order.
 const MAX_ORDER: u32 = 1000;
-/// Most orders in one search.
+/// Largest number of orders in one search.
 const MAX_ORDERS: usize = 6;
 /// Periods that diffract light \[µm\].
 const PERIODS: (f64, f64) = (0.01, 1e4);
-/// Where the light can stand \[degrees\]: in the horizon it reflects nothing.
+/// Range of polar angles of the light \[degrees\]: grazing light reflects nothing.
 const THETA_I: (f64, f64) = (-89.99, 89.99);
-/// Fewest angles that can have a maximum inside.
+/// Smallest number of angles that can have a maximum inside.
 const FEWEST_ANGLES: usize = 3;
 
 /// Arguments of `peaks`.
@@ -55,7 +55,7 @@ Examples:
 pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
-    /// Where the light stands, in degrees from the normal toward the axis
+    /// Direction of the light, in degrees from the normal toward the axis
     #[arg(long, value_name = "DEG", value_parser = theta_i, allow_hyphen_values = true)]
     theta_i: f64,
     /// Wavelengths in nm
@@ -67,22 +67,22 @@ pub struct Arguments {
     /// View angles to search, in degrees from the normal toward the axis
     #[arg(long, value_name = "LO:HI:STEP", value_parser = angles, allow_hyphen_values = true)]
     angles: Range,
-    /// The axis of the plane of incidence
+    /// Axis of the plane of incidence
     #[arg(long, value_enum, default_value_t)]
     axis: TangentAxis,
-    /// Order of diffraction that the peak is taken for; several, as in 1,2,3, need --period
+    /// Order of diffraction assumed for the peak; several, as in 1,2,3, need --period
     #[arg(long, value_name = "M[,M...]", value_parser = orders, allow_hyphen_values = true, default_value = "1")]
     order: OrderList,
-    /// Period that is expected, as in 2.5um: its grating equation is drawn, and several orders are told apart by it
+    /// Expected period, as in 2.5um: its grating equation is drawn, and separates several orders
     #[arg(long, value_name = "LENGTH", value_parser = period, allow_hyphen_values = true)]
     period: Option<f64>,
-    /// Where the table goes, instead of stdout
+    /// Output file for the table, instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write mean and standard deviation as JSON too
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// A labelled figure of responses, peaks and the grating equation: .svg or .png
+    /// Draw a labelled figure of responses, peaks and the grating equation: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
@@ -107,7 +107,7 @@ enum TangentAxis {
 }
 
 impl TangentAxis {
-    /// Azimuth \[degrees\].
+    /// Returns the azimuth \[degrees\].
     fn azimuth(self) -> f64 {
         match self {
             Self::X => 0.0,
@@ -173,7 +173,7 @@ fn period(text: &str) -> Result<f64> {
     options::length_within(text, PERIODS, "period")
 }
 
-/// Searches and reports.
+/// Searches the peaks and reports them.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
@@ -213,10 +213,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.json.as_deref().map_or(Ok(()), |path| json(arguments, path, &found, &windows))
 }
 
-/// The peaks of every order that is asked for.
+/// Finds the peaks of every requested order.
 fn find(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
     let orders = &arguments.order.0;
-    // One order has the whole range, as it always had.
+    // A single order is searched in the whole range.
     let apart = arguments.period.filter(|_| orders.len() > 1);
     let sought = |&order| Sought { theta_i: arguments.theta_i, order, period: apart };
     orders.iter().map(|order| Found::new(sought(order), sweep)).collect()
@@ -247,11 +247,11 @@ fn spread_over_windows(
     }
 }
 
-/// Standard deviation over mean from which on wavelengths cannot all have seen the same order: the second says half of what
-/// the first says.
+/// Standard deviation over mean from which on wavelengths cannot all belong to the same order: the second order gives half the period of
+/// the first.
 const SCATTERED: f64 = 0.1;
 
-/// The periods, a line each on stderr.
+/// Prints the periods, a line each on stderr.
 fn tell(found: &[Found], windows: &[Vec<Found>]) {
     for (i, of) in found.iter().enumerate() {
         let order = of.sought.order;
@@ -274,7 +274,7 @@ fn tell(found: &[Found], windows: &[Vec<Found>]) {
     }
 }
 
-/// One report for one order, a list of them for several.
+/// Writes one report for one order, a list of them for several.
 fn json(arguments: &Arguments, path: &Path, found: &[Found], windows: &[Vec<Found>]) -> Result<()> {
     let report = |(i, of): (usize, &Found)| {
         let alone: Vec<&Found> = windows.iter().map(|window| &window[i]).collect();

@@ -1,4 +1,4 @@
-//! What the peaks say, as CSV, as a line and as JSON.
+//! Report of the peaks, as CSV, as a line and as JSON.
 
 use super::TangentAxis;
 use super::sweep::AngleSweep;
@@ -17,20 +17,20 @@ pub struct Found {
     pub peaks: Vec<Peak>,
     /// Period over all of them.
     pub statistics: PeriodStatistics,
-    /// Spread of that period over windows, where several are averaged.
+    /// Spread of that period over windows, if several are averaged.
     pub spread: Option<WindowSpread>,
-    /// Branches between which the largest response changes, the strongest first; none where it does not change.
+    /// Branches between which the largest response changes, the strongest first; empty if it does not change.
     pub branches: Vec<FollowedBranch>,
 }
 
 /// A branch of maxima.
 #[derive(Clone, Debug)]
 pub struct FollowedBranch {
-    /// Its maxima and their period.
+    /// Maxima of the branch and their period.
     pub branch: Branch,
-    /// Spread of the period over windows, where several are averaged.
+    /// Spread of the period over windows, if several are averaged.
     pub spread: Option<WindowSpread>,
-    /// Its period through each window alone.
+    /// Period of the branch through each window alone.
     pub windows: Vec<PeriodStatistics>,
 }
 
@@ -52,14 +52,14 @@ impl Found {
         self.branches = sweep.map(self.sought).branches().into_iter().map(follow).collect();
     }
 
-    /// Number, from 1, of the branch on which the largest response of wavelength number `place` lies.
+    /// Returns the number, from 1, of the branch on which the largest response of wavelength number `place` lies.
     pub fn branch_at(&self, place: usize) -> Option<usize> {
         let largest = self.peaks[place].angle;
         let is_there = |f: &FollowedBranch| f.branch.peaks[place].is_some_and(|peak| peak.angle == largest);
         self.branches.iter().position(is_there).map(|number| number + 1)
     }
 
-    /// The period over all wavelengths and its spread, or those of the strongest branch where there are several.
+    /// Returns the period over all wavelengths and its spread, or those of the strongest branch if there are several.
     fn strongest(&self) -> (&PeriodStatistics, Option<&WindowSpread>) {
         match self.branches.first() {
             Some(followed) => (&followed.branch.statistics, followed.spread.as_ref()),
@@ -67,14 +67,14 @@ impl Found {
         }
     }
 
-    /// The period in a line, as if there were one branch.
+    /// Returns the period in a line, as for a single branch.
     pub fn line(&self) -> String {
         let period = in_words(&self.statistics, self.spread.as_ref());
         let (clear, all) = (self.statistics.clear, self.peaks.len());
         format!("{period}; {clear} of {all} wavelengths have a clear peak in the range")
     }
 
-    /// The period in a line, or a line for each branch and what they are.
+    /// Returns the period in a line, or a line for each branch and an explanation.
     pub fn lines(&self) -> Vec<String> {
         if self.branches.is_empty() {
             return vec![self.line()];
@@ -101,7 +101,7 @@ impl Found {
     }
 }
 
-/// A period with its uncertainty.
+/// Describes a period with its uncertainty.
 fn in_words(statistics: &PeriodStatistics, spread: Option<&WindowSpread>) -> String {
     let nm = |d: Option<f64>| d.map(nanometres);
     let period = match (nm(statistics.mean), nm(statistics.deviation)) {
@@ -117,7 +117,7 @@ fn in_words(statistics: &PeriodStatistics, spread: Option<&WindowSpread>) -> Str
     }
 }
 
-/// What windows say of the uncertainty.
+/// Describes the uncertainty over windows.
 fn over_windows(spread: &WindowSpread) -> String {
     let WindowSpread { windows, independent, .. } = spread;
     let whose = if *independent < *windows as f64 {
@@ -132,7 +132,7 @@ fn over_windows(spread: &WindowSpread) -> String {
     }
 }
 
-/// The CSV; with several orders or branches, another column says which.
+/// Returns the CSV; with several orders or branches, another column numbers them.
 pub fn table(found: &[Found]) -> Result<String> {
     let cell = |value: Option<f64>| value.map(|x| x.to_string()).unwrap_or_default();
     let columns = [true, true, true, true, found.len() > 1, found.iter().any(|of| !of.branches.is_empty())];
@@ -157,37 +157,37 @@ pub fn table(found: &[Found]) -> Result<String> {
     table.text()
 }
 
-/// nm from µm, without the last bits that the change of units adds.
+/// Converts µm to nm, without the last bits that the change of units adds.
 fn nanometres(micrometres: f64) -> f64 {
     (micrometres * 1e12).round() / 1e9
 }
 
-/// What is said about all wavelengths, as JSON has it.
+/// Summary over all wavelengths, for JSON.
 #[derive(Serialize)]
 pub struct PeaksReport {
     theta_i: f64,
     axis: TangentAxis,
     order: u32,
-    /// Wavelengths that were asked for.
+    /// Number of wavelengths.
     wavelengths: usize,
-    /// Those that have a period.
+    /// Number of wavelengths that have a period.
     with_period: usize,
-    /// Those whose maximum lies inside the range of angles.
+    /// Number of wavelengths whose maximum lies inside the range of angles.
     clear: usize,
-    /// Over those that have a period; of the strongest branch where there are several.
+    /// Period over the wavelengths that have one; of the strongest branch if there are several.
     period_nm: PeriodSummary,
-    /// Over windows, where several are averaged.
+    /// Spread over windows, if several are averaged.
     #[serde(skip_serializing_if = "Option::is_none")]
     over_windows: Option<PeriodSpread>,
-    /// The same through each window alone, where several are averaged.
+    /// Reports of each window alone, if several are averaged.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     windows: Vec<WindowReport>,
-    /// Branches between which the largest response changes, the strongest first; absent where it does not change.
+    /// Branches between which the largest response changes, the strongest first; absent if it does not change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     branches: Vec<BranchReport>,
 }
 
-/// `None` where there are too few wavelengths \[nm\].
+/// Mean and spread of a period \[nm\]; `None` for too few wavelengths.
 #[derive(Serialize)]
 struct PeriodSummary {
     mean: Option<f64>,
@@ -200,7 +200,7 @@ struct PeriodSpread {
     windows: usize,
     independent_windows: f64,
     standard_error_nm: f64,
-    /// `None` where there are too few windows.
+    /// Confidence interval; `None` for too few windows.
     interval_95_nm: Option<[f64; 2]>,
 }
 
@@ -247,7 +247,7 @@ impl BranchReport {
     }
 }
 
-/// What one window says.
+/// Summary of a single window.
 #[derive(Serialize)]
 struct WindowReport {
     clear: usize,
@@ -270,7 +270,7 @@ impl PeriodSummary {
 }
 
 impl PeaksReport {
-    /// Of one order, and of the same order through each window alone.
+    /// Returns the report of one order, and of the same order through each window alone.
     pub fn new(theta_i: f64, axis: TangentAxis, found: &Found, windows: &[&Found]) -> Self {
         let (period, spread) = found.strongest();
         let alone: Vec<&PeriodStatistics> = match found.branches.first() {

@@ -12,7 +12,7 @@ use crate::setup::{Method, Settings};
 use crate::surface::HeightField;
 use std::f64::consts::PI;
 
-/// So many windows on `field` are independent of each other; `None` for a finite grating.
+/// Returns the number of independent windows on `field`; `None` for a finite grating.
 ///
 /// Intensities through Gaussian windows at a distance d correlate by exp(−d²/(2σ²)), whose integral is the area of one independent window.
 pub fn independent_windows(arguments: &Arguments, field: &HeightField) -> Option<f64> {
@@ -21,7 +21,7 @@ pub fn independent_windows(arguments: &Arguments, field: &HeightField) -> Option
     Some(width * height / (2.0 * PI * sigma * sigma))
 }
 
-/// The response at every wavelength and angle.
+/// Response at every wavelength and angle.
 #[derive(Clone, Debug)]
 pub struct AngleSweep {
     /// Wavelengths \[µm\], growing.
@@ -33,8 +33,8 @@ pub struct AngleSweep {
 }
 
 impl AngleSweep {
-    /// Averaged over the windows that `arguments` ask for, of the `field`, and the sweeps of windows alone that its spread follows from: of those that are
-    /// asked for, or of some for the mean over all of them.
+    /// Returns the sweep averaged over the windows of `arguments`, and the sweeps of single windows from which its spread follows: of the
+    /// same windows, or of some windows for the mean over all.
     pub fn of(arguments: &Arguments, field: &HeightField) -> Result<(Self, Vec<Self>)> {
         match arguments.optics.windows() {
             Windows::ONE => Ok((Self::through(arguments, field, Windows::ONE)?, Vec::new())),
@@ -52,8 +52,8 @@ impl AngleSweep {
         }
     }
 
-    /// Windows along each side of the patch for the spread of the mean over all: about as many as are independent. `None` where that is not two, and for the
-    /// f64 reference, whose single windows take minutes.
+    /// Returns the number of windows along each side of the patch for the spread of the mean over all: about as many as are independent.
+    /// `None` for fewer than two, and for the f64 reference, whose single windows take minutes.
     fn windows_of_spread(arguments: &Arguments, field: &HeightField) -> Option<u32> {
         const MOST: f64 = 4.0;
         let independent = independent_windows(arguments, field)?;
@@ -61,7 +61,7 @@ impl AngleSweep {
         (is_quick && independent >= 2.0).then(|| independent.sqrt().ceil().clamp(2.0, MOST) as u32)
     }
 
-    /// The sweep of each of n × m windows.
+    /// Returns the sweep of each of n × m windows.
     fn of_windows(arguments: &Arguments, field: &HeightField, [n, m]: [u32; 2]) -> Result<Vec<Self>> {
         // Every window's sweep and the mean.
         let sweeps = u64::from(n) * u64::from(m) + 1;
@@ -69,7 +69,7 @@ impl AngleSweep {
         memory::ensure_room(sweeps * evaluations * size_of::<f64>() as u64, "the sweeps of all windows")?;
         let mut windows = Vec::new();
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
-            // A window elsewhere on the endless surface is this window on the surface moved: by whole samples, which are
+            // A window elsewhere on the periodic surface is this window on the moved surface. The surface moves by whole samples, which are
             // far smaller than a window.
             let samples = |part: u32, of: u32, all: usize| {
                 (f64::from(part) / f64::from(of) * all as f64).round() as usize
@@ -80,7 +80,7 @@ impl AngleSweep {
         Ok(windows)
     }
 
-    /// The mean of `sweeps` of the same wavelengths and angles, one at least.
+    /// Returns the mean of `sweeps` of the same wavelengths and angles, at least one.
     pub fn mean(sweeps: &[Self]) -> Self {
         let mut mean = sweeps[0].clone();
         for sweep in &sweeps[1..] {
@@ -90,7 +90,7 @@ impl AngleSweep {
         mean
     }
 
-    /// What is left of this mean of `count` ≥ 2 sweeps without `one` of them.
+    /// Returns this mean of `count` ≥ 2 sweeps without the sweep `one`.
     pub fn without(&self, one: &Self, count: usize) -> Self {
         let mut rest = self.clone();
         let count = count as f64;
@@ -130,7 +130,7 @@ impl AngleSweep {
         Ok(Self { wavelengths, angles, responses })
     }
 
-    /// The responses as a map in which what is `sought` is looked for.
+    /// Returns the responses as a map in which the peaks of `sought` are searched.
     pub fn map(&self, sought: Sought) -> ResponseMap<'_> {
         let Self { wavelengths, angles, responses } = self;
         ResponseMap { wavelengths, angles, responses, sought }

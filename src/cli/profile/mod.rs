@@ -1,4 +1,4 @@
-//! `diffract profile`: how long a frame takes, what it does in that time, and what the device could do.
+//! `diffract profile`: frame times, their parts, and the limits of the device.
 
 mod report;
 
@@ -28,13 +28,13 @@ pub struct Arguments {
     /// Frames to measure
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000), allow_hyphen_values = true)]
     pub frames: u32,
-    /// Compare this many random pixels, or all, with f64 references: of the same directions, and of rays cast in f64
+    /// Compare this many random pixels, or all, with f64 references: for the same directions, and for rays cast in f64
     #[arg(long, value_name = "N|all", value_parser = compared_pixels, allow_hyphen_values = true)]
     pub error: Option<usize>,
-    /// Choose the most accurate setting that keeps this frame rate; method, basis and tolerance that are given stay
+    /// Choose the most accurate setting that keeps this frame rate; given method, basis and tolerance stay
     #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
     pub fps: Option<f64>,
-    /// Print where the error comes from
+    /// Print the parts of the error
     #[arg(long)]
     pub explain: bool,
 }
@@ -44,7 +44,7 @@ fn compared_pixels(text: &str) -> Result<usize> {
     if text.trim() == "all" { Ok(usize::MAX) } else { sample_pixels(text) }
 }
 
-/// Measures and reports.
+/// Measures the frame and reports.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let options = &arguments.benchmark;
     options.cache.apply();
@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The line about the setting that `--fps` chose.
+/// Returns the line about the setting that `--fps` chose.
 fn tuned_text(fps: f64, tuned: &TunedSetting) -> String {
     let keeps = if tuned.keeps { "keeps it" } else { "is the fastest here and does not keep it" };
     format!("{:<26}{fps} frames a second: {} {keeps}\n", "asked for", tuned.flags)
@@ -94,9 +94,9 @@ fn profile(
         Ok(())
     };
     let frames = arguments.frames as usize;
-    let times = measure(&mut benchmark.painter, &scene.view, frames, f64::INFINITY, &progress)?;
+    let times = measure(&mut benchmark.renderer, &scene.view, frames, f64::INFINITY, &progress)?;
     bar.finish_and_clear();
-    let rates = rates(&mut benchmark.painter, scene.pixels())?;
+    let rates = rates(&mut benchmark.renderer, scene.pixels())?;
     let errors = match arguments.error {
         Some(count) => scene.compare(&mut benchmark, count)?,
         None => PictureErrors::default(),

@@ -11,7 +11,7 @@ const THESIS_FPS: [f64; 2] = [5.0, 15.0];
 /// Width of the names in the text.
 const NAME_WIDTH: usize = 26;
 
-/// The report; its fields are those of the JSON.
+/// Report; its fields are those of the JSON.
 #[derive(Serialize)]
 pub struct ProfileReport {
     device: String,
@@ -55,7 +55,7 @@ pub struct ProfileReport {
 }
 
 impl ProfileReport {
-    /// Frames of `benchmark` that took `times`, on a device that reads at `rates`.
+    /// Returns the report of frames of `benchmark` that took `times`, on a device that reads at `rates`.
     pub fn new(
         scene: &BenchmarkScene,
         benchmark: Benchmark,
@@ -102,7 +102,7 @@ impl ProfileReport {
         }
     }
 
-    /// The report as text, one line per subject.
+    /// Returns the report as text, one line per subject.
     pub fn text(&self) -> String {
         let mut text = line("device", &format!("{}, {}", self.device, self.driver));
         let [width, height] = self.size;
@@ -141,7 +141,7 @@ impl ProfileReport {
         text
     }
 
-    /// The error budget, with the measured error if there is one.
+    /// Returns the error budget, with the measured error if there is one.
     pub fn budget_text(&self) -> String {
         let measured = match &self.error {
             Some(e) => {
@@ -197,7 +197,7 @@ impl ProfileReport {
     }
 }
 
-/// Words for `errors` of a picture.
+/// Describes `errors` of a picture.
 fn error_text(errors: &PixelErrors, against: &str) -> String {
     let PixelErrors { pixels, relative_l2, relative_l2_interval, p99, .. } = errors;
     format!(
@@ -206,7 +206,7 @@ fn error_text(errors: &PixelErrors, against: &str) -> String {
     )
 }
 
-/// A line of the report.
+/// Returns a line of the report.
 fn line(name: &str, value: &str) -> String {
     format!("{name:<NAME_WIDTH$}{value}\n")
 }

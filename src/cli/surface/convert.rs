@@ -19,14 +19,14 @@ Samples that were not measured stay so (NaN). .gsf and .tif hold 32-bit floats, 
 pub struct Convert {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
-    /// Where it goes: .gsf, .gwy, .npy, .tif, .txt or .x3p
+    /// Output file: .gsf, .gwy, .npy, .tif, .txt or .x3p
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
     surface: SurfaceOptions,
 }
 
-/// Reads, and writes what was read; steps are done first, on heights whose gaps are filled.
+/// Reads the file and writes it in another format; preparation steps apply to heights whose gaps are filled.
 pub fn run(arguments: &Convert) -> Result<()> {
     let path = &arguments.output;
     let format = ScanFormat::of(path)?;
@@ -40,7 +40,7 @@ pub fn run(arguments: &Convert) -> Result<()> {
     save(path, format, &scan)
 }
 
-/// Writes `scan` and says how it is read back.
+/// Writes `scan` and prints the options that read it back.
 pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
     write_surface(path, format, scan)?;
     let hint = if format.has_scale() {

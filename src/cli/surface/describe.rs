@@ -1,4 +1,4 @@
-//! The numbers of a height field, for reading by eye.
+//! Description of a height field in numbers, for reading by eye.
 
 use crate::error::Result;
 use crate::optics::coherence::{Beyond, SUNLIGHT_LENGTH};
@@ -14,23 +14,34 @@ use crate::surface::prepare;
 use crate::surface::statistics::{Period, notes};
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 
-/// A name and what stands behind it.
+/// Name and text of a line.
 type Line = (&'static str, String);
 
-/// `field`, which `source` gave, line by line, with the errors of scalar theory that `theory` has for it.
+/// Describes `field`, which `source` gave, line by line, with the errors of scalar theory in `theory`.
 pub fn text(
     source: &SurfaceSource,
     field: &HeightField,
     statistics: &Statistics,
     theory: &ScalarTheory,
 ) -> Result<String> {
+    let lines = lines(source, field, statistics, theory)?;
+    Ok(lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect())
+}
+
+/// Returns the same as names and values.
+pub fn lines(
+    source: &SurfaceSource,
+    field: &HeightField,
+    statistics: &Statistics,
+    theory: &ScalarTheory,
+) -> Result<Vec<Line>> {
     let mut lines = grid(source, field, statistics);
     lines.extend(distributions(statistics));
     lines.extend(spectrum(statistics));
     lines.push(("scalar theory", theory.line().to_owned()));
     lines.extend(optics(field));
     lines.extend(notes(field, statistics)?.into_iter().map(|note| ("note", note)));
-    Ok(lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect())
+    Ok(lines)
 }
 
 fn nm(um: f64) -> String {
@@ -56,7 +67,7 @@ fn grid(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) ->
     ]
 }
 
-/// What `--beyond` is for `field` unless it is given, and why.
+/// Returns the default of `--beyond` for `field`, with the reason.
 fn beyond(field: &HeightField) -> &'static str {
     match setup::beyond_of(field) {
         Beyond::Copies => "copies by default, because copies join",
@@ -81,7 +92,7 @@ fn distributions(statistics: &Statistics) -> Vec<Line> {
     ]
 }
 
-/// The two parts of Sdq.
+/// Returns the two parts of Sdq.
 fn slopes_along_axes(rms: [f64; 2]) -> String {
     let [x, y] = rms.map(|slope| format!("{slope:.4} ({:.2} deg)", slope.atan().to_degrees()));
     format!("{x}, {y}")

@@ -1,4 +1,4 @@
-//! The colours that a surface sends into each direction: a glance for the page of `surface info`, on the CPU alone.
+//! Colours of a surface over all directions: an overview for the page of `surface info`, computed on the CPU.
 
 use crate::cli::brdf::map::{HemisphereMap, views};
 use crate::error::Result;
@@ -18,15 +18,16 @@ use std::borrow::Cow;
 
 /// Pixels on a side of a map.
 const SIDE: u32 = 600;
-/// Standard deviation of the directions that a point of a map averages over: a quarter of a degree, about what light of 65 µm coherence blurs.
+/// Standard deviation of the directions that a point of a map averages over: a quarter of a degree, about the blur of light of 65 µm
+/// coherence.
 const SPREAD: f64 = 0.004;
-/// Tolerance of the colours. A glance does not show more.
+/// Tolerance of the colours; an overview needs no smaller one.
 const TOLERANCE: f64 = 0.07;
-/// Samples on a side that the colours are made from: the middle of a larger field.
+/// Samples on a side from which the colours are computed: the middle of a larger field.
 const MOST_SAMPLES: usize = 1024;
-/// Most bytes of the colour table.
+/// Largest size of the colour table \[bytes\].
 const MEMORY: usize = 1 << 30;
-/// Most texels along a side of it.
+/// Largest number of texels along a side of the table.
 const MOST_TEXELS: usize = 1 << 14;
 /// Coherence length of the light \[µm\], and refractive index of the surface: the defaults of all commands.
 const COHERENCE: f64 = 65.0;
@@ -34,7 +35,7 @@ const IOR: f64 = 1.5;
 /// Polar angle of the second light \[degrees\].
 const SLANTED: f64 = 45.0;
 
-/// Panels of the colours in light from straight above and from aside, across the strongest grooves, and words for the caption.
+/// Returns panels of the colours in light from straight above and from aside, across the strongest grooves, and words for the caption.
 ///
 /// # Errors
 /// A surface that is too high for the series in z, or too little memory.
@@ -58,7 +59,7 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
     Ok((vec![above, aside], words))
 }
 
-/// The colour table of `field`.
+/// Bakes the colour table of `field`.
 fn table(field: &HeightField) -> Result<ColorTable> {
     let sigma = Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE);
     let powers = PowerSettings::new(sigma, setup::beyond_of(field), TOLERANCE);
@@ -71,7 +72,7 @@ fn table(field: &HeightField) -> Result<ColorTable> {
     bake(&OrderSeries::new(field, &powers, &|_, _| Ok(()))?, &colours, &|_, _| Ok(()))
 }
 
-/// `field`, or the middle of it.
+/// Returns `field`, or the middle of a large one.
 fn middle(field: &HeightField) -> Cow<'_, HeightField> {
     let size = [field.columns(), field.rows()];
     let [columns, rows] = size.map(|n| n.min(MOST_SAMPLES));
@@ -83,7 +84,7 @@ fn middle(field: &HeightField) -> Cow<'_, HeightField> {
     HeightField::new(columns, rows, field.pixel_size(), heights).map_or(Cow::Borrowed(field), Cow::Owned)
 }
 
-/// The colours in light from the polar angle `theta` and the azimuth `phi` \[degrees\], which `from` says in words.
+/// Returns the panel of the colours in light from the polar angle `theta` and the azimuth `phi` \[degrees\], which `from` says in words.
 fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
     let light = direction(theta, phi);
     let map = map(table, light);
@@ -101,7 +102,7 @@ fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
         .named("mirror direction", ring)
 }
 
-/// Linear sRGB of the BRDF \[sr⁻¹\] toward every direction.
+/// Returns the linear sRGB of the BRDF \[sr⁻¹\] toward every direction.
 fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
     let reader = TableReader::new(table);
     let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
@@ -117,17 +118,18 @@ fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
     HemisphereMap { side: SIDE, pixels }
 }
 
-/// Stops that bring what is typical beside the mirror's spot to middle brightness: a quarter of the scattered light is in fainter directions.
+/// Returns the exposure \[stops\] that brings the typical direction beside the specular peak to middle brightness: a quarter of the
+/// scattered light is in fainter directions.
 fn exposure(map: &HemisphereMap, light: DVec3) -> f64 {
-    /// Directions nearer to the mirror's than this are its spot.
+    /// Radius of the specular peak that is left out.
     const SPOT: f64 = 0.08;
     /// Luminance of the typical direction on the display.
     const MIDDLE: f64 = 0.5;
     /// Share of the scattered light in fainter directions.
     const FAINTER: f64 = 0.25;
-    /// What is fainter than this share of the spot is rounding, not light.
+    /// Radiance relative to the peak below which it is rounding, not light.
     const NOTHING: f64 = 1e-7;
-    /// Most stops to either side.
+    /// Largest absolute exposure \[stops\].
     const MOST: f64 = 20.0;
     let luminances = map.values();
     let brightest = luminances.iter().copied().fold(0.0, f64::max);
@@ -144,7 +146,7 @@ fn exposure(map: &HemisphereMap, light: DVec3) -> f64 {
         below += l;
         below >= share
     });
-    // A mirror scatters nothing: its spot is what there is to see.
+    // A mirror scatters nothing: only its specular peak is visible.
     let typical = typical.unwrap_or(brightest).max(f64::MIN_POSITIVE);
     ((MIDDLE / typical).log2().clamp(-MOST, MOST) * 10.0).round() / 10.0
 }
@@ -163,7 +165,7 @@ mod tests {
 
     #[test]
     fn the_colours_are_those_of_the_mean_in_f64_averaged_alike() {
-        /// A little above what was measured of *Elaphe*.
+        /// Bound a little above the measured value of *Elaphe*.
         const MEASURED: f64 = 0.125;
         for kind in [SurfaceKind::Elaphe, SurfaceKind::Bumps] {
             let field = small(kind);

@@ -1,4 +1,4 @@
-//! One page about a height field: the heights, profiles, the spectrum, the colours that it predicts, and how heights and slopes are distributed.
+//! One page about a height field: the heights, profiles, the spectrum, the predicted colours, and the distributions of heights and slopes.
 
 use super::hemisphere;
 use crate::error::Result;
@@ -6,19 +6,19 @@ use crate::figure::{Axis, AxisScale, ColorMap, ColorScale, Figure, Mark, Panel, 
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::validity::ScalarTheory;
 use crate::surface::prepare;
-use crate::surface::statistics::picture::{self, PlotGrid, histogram};
+use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
+use crate::surface::statistics::plot_grid::{self, PlotGrid, histogram};
 use crate::surface::statistics::slopes::gradients;
-use crate::surface::statistics::spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 
-/// The longest side of a picture in the page \[pixels\]; more would not be seen.
+/// The longest side of a picture in the page \[pixels\]; a finer one is not visible.
 const MOST_PIXELS: usize = 600;
 /// Bins of the histograms.
 const BINS: usize = 120;
 /// Panels \[px\].
 const PANEL: [f64; 2] = [600.0, 470.0];
 
-/// The page of `field`, which `source` gave.
+/// Returns the page of `field`, which `source` gave.
 pub fn figure(
     source: &SurfaceSource,
     field: &HeightField,
@@ -32,7 +32,7 @@ pub fn figure(
     let mut figure = Figure::new(format!("{name}: heights, spectrum, colours and distributions"))
         .panel_size(PANEL[0], PANEL[1])
         .row(vec![heights(field, statistics), power(&spectrum)]);
-    // A page without colours is better than none.
+    // Without colours the page is still useful.
     let colours = match hemisphere::panels(field, statistics) {
         Ok((panels, words)) => {
             figure = figure.row(panels);
@@ -70,7 +70,7 @@ fn caption(
     )
 }
 
-/// The heights in false colour, from the lower to the upper end of almost all of them, so that dust does not take the colours.
+/// Draws the heights in false colour, over the range of almost all of them, so that dust does not take the colours.
 fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
     let [width, height] = field.patch_size();
     let grid = PlotGrid::of_heights(field, MOST_PIXELS);
@@ -99,9 +99,9 @@ fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
     panel
 }
 
-/// The power spectrum over both halves, with the circles of the orders that light from straight above sends to the horizon.
+/// Draws the power spectrum over both halves, with the circles of the orders that light from straight above sends to the horizon.
 fn power(spectrum: &SurfaceSpectrum) -> Panel {
-    let side = picture::side_of_power(spectrum, SHORTEST);
+    let side = plot_grid::side_of_power(spectrum, SHORTEST);
     let grid = PlotGrid::of_power(spectrum, side, MOST_PIXELS);
     /// Decades below the peak that are shown.
     const DECADES: f64 = 7.0;
@@ -127,7 +127,7 @@ fn power(spectrum: &SurfaceSpectrum) -> Panel {
         .named("at 780 nm", visible(LONGEST, palette::VERMILION))
 }
 
-/// Two profiles through the middle.
+/// Draws two profiles through the middle.
 fn profile(field: &HeightField) -> Panel {
     let (columns, rows) = (field.columns(), field.rows());
     let along_x: Vec<[f64; 2]> =
@@ -147,7 +147,7 @@ fn thin(points: Vec<[f64; 2]>, color: palette::Color) -> Mark {
     Mark::Line { points, color, width: 1.3, dashed: false }
 }
 
-/// The spectrum averaged over directions, the band that light sees, and the noise.
+/// Draws the spectrum averaged over directions, the band that light sees, and the noise.
 fn radial(spectrum: &SurfaceSpectrum, statistics: &Statistics) -> Panel {
     let rings: Vec<[f64; 2]> = spectrum.radial().iter().map(|[f, s]| [*f, s * 1e6]).collect();
     let x = Axis::fit("|f| [1/µm]", AxisScale::Log, rings.iter().map(|p| p[0]));
@@ -192,7 +192,7 @@ fn radial(spectrum: &SurfaceSpectrum, statistics: &Statistics) -> Panel {
 fn height_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
     let h = &statistics.heights;
     let [low, high] = h.range.map(|h| h * 1e3);
-    // Bins of whole codes, where there are codes: others would hold now one of them, now two.
+    // Bins of whole codes, if there are codes: other bins would hold one code or two in turn.
     let step = h.quantisation.map_or(0.0, |step| step * 1e3);
     let width = if step > 0.0 {
         ((high - low) / BINS as f64 / step).ceil().max(1.0) * step
@@ -266,8 +266,8 @@ fn bars_of_codes(gradients: &[f64], of_code: f64, last: f64) -> Vec<[f64; 3]> {
     counts.iter().enumerate().flat_map(bar).collect()
 }
 
-/// A round length of about a quarter of `width`.
-fn scale_bar(width: f64) -> f64 {
+/// Returns a round length \[µm\] of about a quarter of `width`.
+pub fn scale_bar(width: f64) -> f64 {
     let power = 10f64.powf((width / 4.0).log10().floor());
     let digit = [5.0, 2.0, 1.0].into_iter().find(|d| d * power <= width / 4.0).unwrap_or(1.0);
     let length = digit * power;

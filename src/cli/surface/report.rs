@@ -1,4 +1,4 @@
-//! What is in a file: its channels for people, everything as JSON.
+//! Report about a file: its channels as text, everything as JSON.
 
 use crate::error::{Error, Result};
 use crate::optics::validity::ScalarTheory;
@@ -10,7 +10,7 @@ use crate::surface::statistics::notes;
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 use serde::Serialize;
 
-/// A channel of the file.
+/// Channel of the file.
 #[derive(Serialize)]
 struct ChannelReport {
     name: String,
@@ -19,7 +19,7 @@ struct ChannelReport {
     chosen: bool,
 }
 
-/// What `surface info --json` prints.
+/// Output of `surface info --json`.
 #[derive(Serialize)]
 pub struct SurfaceReport {
     format: Option<&'static str>,
@@ -40,7 +40,7 @@ pub struct SurfaceReport {
 }
 
 impl SurfaceReport {
-    /// The numbers of `scan`, of which `invalid` samples were not measured in the file.
+    /// Returns the report of `scan`; `invalid` samples were not measured in the file.
     pub fn of(scan: &Topography, origin: Option<&ScanOrigin>, invalid: usize) -> Self {
         let FileSummary { range, mean, rms } = scan.summary();
         Self {
@@ -62,7 +62,7 @@ impl SurfaceReport {
         }
     }
 
-    /// With the steps of `source`, the `statistics` of `field` that they gave, the errors of scalar theory, and what `--beyond` is unless it is given.
+    /// Adds the steps of `source`, the `statistics` of `field`, the errors of scalar theory, and the default of `--beyond`.
     ///
     /// # Errors
     /// Heights so large that their sums are not finite numbers.
@@ -83,13 +83,13 @@ impl SurfaceReport {
         })
     }
 
-    /// Says why there are no statistics.
+    /// Adds the reason for missing statistics.
     pub fn without_statistics(mut self, reason: &Error) -> Self {
         self.warnings.push(format!("no statistics: {reason}"));
         self
     }
 
-    /// The report as indented JSON.
+    /// Returns the report as indented JSON.
     ///
     /// # Errors
     /// Never, for numbers that are finite.
@@ -110,7 +110,8 @@ fn channels(origin: &ScanOrigin) -> Vec<ChannelReport> {
     origin.channels.iter().enumerate().map(channel).collect()
 }
 
-/// The format, the channels with a mark at the chosen one, what was not measured, and the steps of an 8-bit image.
+/// Returns the lines about the format, the channels with a mark at the chosen one, samples that were not measured, and the steps of an
+/// 8-bit image.
 pub fn lines(scan: &Topography) -> Vec<(&'static str, String)> {
     let Some(origin) = scan.origin() else { return Vec::new() };
     let mut lines = vec![("format", origin.format.to_owned())];
@@ -128,13 +129,13 @@ pub fn lines(scan: &Topography) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// The options that read what a file of `scan` cannot carry.
+/// Returns the options with the spacing that a file of `scan` cannot carry.
 pub fn spacing_option(scan: &Topography) -> String {
     let [dx, dy] = scan.spacing().map(|d| d * 1e9);
     if dx == dy { format!("--pixel-size {dx}nm") } else { format!("--pixel-size {dx}nmx{dy}nm") }
 }
 
-/// The size of `scan`, for people.
+/// Returns the size of `scan` as text.
 pub fn size(scan: &Topography) -> String {
     let [columns, rows] = scan.size();
     let [dx, dy] = scan.spacing().map(in_words);

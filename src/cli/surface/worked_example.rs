@@ -1,5 +1,5 @@
-//! The worked example of docs/PREPARING.md: a surface that is known, what a bad scan would make of it, and how each step brings it back.
-//! The page and its figure are written from here; a test compares them.
+//! Worked example of docs/PREPARING.md: a known surface, a simulated bad scan of it, and its recovery step by step. The page and its figure
+//! are written from here; a test compares them.
 
 use crate::cli::options::as_options;
 use crate::figure::{Axis, ColorMap, ColorScale, Figure, Panel, Raster};
@@ -22,7 +22,7 @@ const STEPS: [&str; 7] = [
     "tile blend:2um",
 ];
 
-/// Skin whose fingers stand 7° askew, over 20 µm.
+/// Returns skin whose fingers stand 7° askew, over 20 µm.
 fn surface() -> HeightField {
     let spec = Spec {
         seed: 3,
@@ -34,7 +34,7 @@ fn surface() -> HeightField {
     apply_all(generate(&spec).unwrap(), &steps).unwrap()
 }
 
-/// The surface as a bad scan shows it: tilt and bow, an offset of each row, streaks, spikes, noise.
+/// Returns a simulated bad scan of the surface: tilt and bow, an offset of each row, streaks, spikes, noise.
 fn scan(surface: &HeightField) -> HeightField {
     let (columns, rows) = (surface.columns(), surface.rows());
     let mut random = Random::new(11);
@@ -61,7 +61,7 @@ fn scan(surface: &HeightField) -> HeightField {
     HeightField::new(columns, rows, surface.pixel_size(), heights).unwrap()
 }
 
-/// The field after none of the steps, the first, the first two …
+/// Returns the field after none of the steps, the first, the first two …
 fn stages(mut field: HeightField) -> Vec<HeightField> {
     let mut all = vec![field.clone()];
     for text in STEPS {
@@ -75,7 +75,7 @@ fn name(stage: usize) -> String {
     if stage == 0 { "the scan".to_owned() } else { format!("`--{}`", STEPS[stage - 1]) }
 }
 
-/// RMS difference of two fields of one grid, each about its mean \[nm\].
+/// Returns the RMS difference of two fields of one grid, each about its mean \[nm\].
 fn difference(a: &HeightField, b: &HeightField) -> f64 {
     assert_eq!((a.columns(), a.rows()), (b.columns(), b.rows()));
     let differences: Vec<f64> = a.heights().iter().zip(b.heights()).map(|(a, b)| (a - b) * 1e3).collect();
@@ -83,7 +83,7 @@ fn difference(a: &HeightField, b: &HeightField) -> f64 {
     (differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / differences.len() as f64).sqrt()
 }
 
-/// The statistics of each stage, and how far it is from the same steps done to the surface without defects.
+/// Returns a table of the statistics of each stage, and its difference from the same steps applied to the surface without defects.
 fn table(stages: &[HeightField], clean: &[HeightField]) -> String {
     let mut table =
         "| after | samples | range | Sq | Sdq | from the clean surface | strongest period | seams |\n\
@@ -134,7 +134,7 @@ fn figure(stages: &[HeightField]) -> Figure {
     panels.chunks(4).fold(Figure::new("").panel_size(205.0, 180.0), |figure, row| figure.row(row.to_vec()))
 }
 
-/// The page, with `table` in its place.
+/// Returns the page with `table` in its place.
 fn page(table: &str) -> String {
     let steps: Vec<PreparationStep> =
         STEPS.iter().map(|text| PreparationStep::parse(text).unwrap()).collect();

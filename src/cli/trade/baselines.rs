@@ -1,11 +1,11 @@
-//! The baselines that `trade` compares with: the grating equation and the thesis' own shader.
+//! Baselines that `trade` compares with: the grating equation and the shader of the thesis.
 
 use crate::cli::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, shown};
 use crate::error::Result;
 use crate::measure::trade::{GRATING, Measurement, THESIS};
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::SHORTEST;
-use crate::render::picture::Painter;
+use crate::render::renderer::Renderer;
 use crate::render::source::{ClassicalGrating, Source, Thesis};
 use crate::spectra::amplitude::thesis;
 use crate::surface::statistics::line_periods;
@@ -23,7 +23,7 @@ impl Baselines<'_> {
     /// Measures the baseline called `series`; `None` if it does not apply to this surface or coherence.
     ///
     /// # Errors
-    /// When it cannot be drawn.
+    /// A baseline that cannot be drawn.
     pub fn measure(&self, series: &str, references: &mut References) -> Result<Option<Measurement>> {
         match series {
             GRATING => self.grating(references),
@@ -31,8 +31,8 @@ impl Baselines<'_> {
         }
     }
 
-    /// The classical shader of a grating of one period, at the brightness that fits the reference best. `None` for a surface
-    /// that is not periodic.
+    /// Measures the classical shader of a grating of one period, at the brightness that fits the reference best. `None` for a surface that
+    /// is not periodic.
     fn grating(&self, references: &mut References) -> Result<Option<Measurement>> {
         let [along_x, along_y] = line_periods(&self.scene.field);
         let (axis, period) = match (along_x, along_y) {
@@ -42,30 +42,30 @@ impl Baselines<'_> {
         };
         let shading = self.scene.shading(self.options)?;
         let classical = |strength| Source::ClassicalGrating(ClassicalGrating { axis, period, strength });
-        let (mut painter, directions) = self.scene.painter(&classical(0.0), &shading)?;
+        let (mut renderer, directions) = self.scene.renderer(&classical(0.0), &shading)?;
         let exact = references.of(self.scene, &shading, &directions)?;
-        let colors = |painter: &mut Painter, strength: f64| {
-            painter.shade_by(&classical(strength), &shading)?;
-            self.scene.paint(painter).map(|picture| shown(&picture, &exact.pixels))
+        let colors = |renderer: &mut Renderer, strength: f64| {
+            renderer.shade_by(&classical(strength), &shading)?;
+            self.scene.paint(renderer).map(|picture| shown(&picture, &exact.pixels))
         };
         // The picture is linear in the strength: a least-squares fit between the pictures of strengths 0 and 1.
-        let (pigment, one) = (colors(&mut painter, 0.0)?, colors(&mut painter, 1.0)?);
+        let (pigment, one) = (colors(&mut renderer, 0.0)?, colors(&mut renderer, 1.0)?);
         let pixels = pigment.iter().zip(&one).zip(&exact.colors);
         let (product, square) = pixels.fold((0.0, 0.0), |(p, s), ((pigment, one), exact)| {
             let orders = *one - *pigment;
             (p + orders.dot(*exact - *pigment), s + orders.length_squared())
         });
         let strength = if square > 0.0 { (product / square).max(0.0) } else { 0.0 };
-        painter.shade_by(&classical(strength), &shading)?;
+        renderer.shade_by(&classical(strength), &shading)?;
         Ok(Some(Measurement {
             flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
             series: GRATING.to_owned(),
             kernel: "none".to_owned(),
-            ..self.scene.measure(&mut painter, exact, self.limits)?
+            ..self.scene.measure(&mut renderer, exact, self.limits)?
         }))
     }
 
-    /// The sum of the thesis' own shader. `None` for repeats, for which the thesis has another sum.
+    /// Measures the sum of the thesis' shader. `None` for repeats, for which the thesis has another sum.
     fn thesis(&self, references: &mut References) -> Result<Option<Measurement>> {
         let shading = self.scene.shading(self.options)?;
         let Coherence::Gaussian { length } = shading.coherence else { return Ok(None) };
@@ -73,7 +73,7 @@ impl Baselines<'_> {
         let layers = Arc::new(thesis::layers(field, length / 4.0, SHORTEST)?);
         let (low, high) = field.range();
         let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
-        let (mut painter, directions) = self.scene.painter(&source, &shading)?;
+        let (mut renderer, directions) = self.scene.renderer(&source, &shading)?;
         let exact = references.of(self.scene, &shading, &directions)?;
         let cost = source.cost(&shading, &directions);
         Ok(Some(Measurement {
@@ -84,7 +84,7 @@ impl Baselines<'_> {
             kernel: "3 x 3 bins".to_owned(),
             wavelengths: cost.wavelengths_per_pixel(),
             samples: cost.samples_per_pixel(),
-            ..self.scene.measure(&mut painter, exact, self.limits)?
+            ..self.scene.measure(&mut renderer, exact, self.limits)?
         }))
     }
 }

@@ -3,7 +3,7 @@
 use crate::figure::{Axis, AxisScale, Figure, Mark, MarkShape, Panel, palette};
 use crate::measure::trade::{Measurement, THESIS, pareto};
 
-/// Frame time against error, with the Pareto front and the baselines.
+/// Draws frame time against error, with the Pareto front and the baselines.
 pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
     const SHAPES: [MarkShape; 5] =
         [MarkShape::Disc, MarkShape::Square, MarkShape::Triangle, MarkShape::Diamond, MarkShape::Ring];
@@ -19,7 +19,7 @@ pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
     panel = panel.named("Pareto front", Mark::line(front, palette::QUIET));
     let mut series: Vec<&str> = Vec::new();
     for row in rows {
-        // The thesis has a mark of its own.
+        // The thesis has a different mark.
         if row.series != THESIS && !series.contains(&row.series.as_str()) {
             series.push(&row.series);
         }

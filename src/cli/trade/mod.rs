@@ -35,7 +35,7 @@ pub struct Arguments {
     /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
     #[arg(default_value = "snake")]
     scene: OsString,
-    /// Folder for the results; made where it is missing
+    /// Folder for the results; created if it is missing
     #[arg(short = 'o', long, alias = "output", value_name = "DIR")]
     folder: PathBuf,
     /// Fewer settings and a smaller picture
@@ -47,19 +47,19 @@ pub struct Arguments {
     /// A light instead of the scene's, in degrees from up and around it; may be given several times
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     light: Vec<Light>,
-    /// Ask for the setting that keeps this relative L2 error
+    /// Print the fastest setting that keeps this relative L2 error
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
-    /// Ask for the setting that keeps this frame rate
+    /// Print the most accurate setting that keeps this frame rate
     #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
     fps: Option<f64>,
-    /// What surrounds the patch: gaussian:LENGTH or repeats:NxM
+    /// Coherence of the light: gaussian:LENGTH or repeats:NxM
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     coherence: Coherence,
     /// Refractive index of the surface
     #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
     ior: f64,
-    /// The light's spectrum: d65, a, e, led, or a CSV file of wavelength in nm and power
+    /// Spectrum of the light: d65, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
     illuminant: OsString,
     #[command(flatten)]
@@ -70,21 +70,21 @@ pub struct Arguments {
     cache: CacheOptions,
 }
 
-/// The options of a setting as a command line.
+/// Options of a setting as a command line.
 #[derive(Parser, Debug)]
 struct SettingLine {
     #[command(flatten)]
     options: BenchmarkOptions,
 }
 
-/// The files of a sweep.
+/// Names of the files of a sweep.
 const FILES: [&str; 4] = ["trade.csv", "trade.md", "trade.svg", "trade.png"];
 /// Timing of each setting.
 const LIMITS: TimingLimits = TimingLimits { frames: 9, seconds: 3.0 };
-/// Largest CSV that is read back \[bytes\].
+/// Largest size of a CSV that is read back \[bytes\].
 const LARGEST_CSV: u64 = 16 << 20;
 
-/// Measures, and writes the results.
+/// Measures the settings and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     if arguments.folder.as_os_str().is_empty() {
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     sweep.report()
 }
 
-/// A sweep in progress.
+/// Sweep in progress.
 struct TradeSweep<'a> {
     arguments: &'a Arguments,
     scene: BenchmarkScene,
@@ -164,7 +164,7 @@ impl<'a> TradeSweep<'a> {
         let options = setting(self.arguments, flags)?;
         let mut benchmark = self.scene.prepare(&options)?;
         let exact = self.references.of(&self.scene, &benchmark.shading, &benchmark.directions)?;
-        let measured = self.scene.measure(&mut benchmark.painter, exact, LIMITS)?;
+        let measured = self.scene.measure(&mut benchmark.renderer, exact, LIMITS)?;
         let (summary, cost) = (benchmark.summary, benchmark.cost);
         let series = match summary.method {
             "spectral" => format!("spectral, {}", options.optics.basis_of_pictures().name()),
@@ -264,7 +264,7 @@ fn settings(quick: bool) -> Vec<String> {
     all
 }
 
-/// The options of a setting: `flags` on the frame of `arguments`.
+/// Returns the options of a setting: `flags` on the frame of `arguments`.
 fn setting(arguments: &Arguments, flags: &str) -> Result<BenchmarkOptions> {
     let line = SettingLine::try_parse_from(std::iter::once("trade").chain(flags.split_whitespace()));
     let mut options = line
@@ -289,7 +289,7 @@ fn setting(arguments: &Arguments, flags: &str) -> Result<BenchmarkOptions> {
     })
 }
 
-/// A hash of everything that two runs must share for their measurements to be comparable.
+/// Returns a hash of everything that two runs must share for their measurements to be comparable.
 fn frame_key(arguments: &Arguments, scene: &BenchmarkScene) -> String {
     let candidate = scene.device.candidate();
     let mut hasher = blake3::Hasher::new();

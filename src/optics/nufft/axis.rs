@@ -14,15 +14,15 @@ pub struct TransformAxis {
     pub length: f64,
     /// Weight of each sample, divided by the transform of the kernel (deapodisation).
     pub weights: Vec<f64>,
-    /// Column or row of the patch that each sample of the transform is.
+    /// Column or row of the patch of each sample of the transform.
     pub patch_index: Vec<usize>,
     /// Bins needed on either side of 0.
     pub bins: usize,
-    /// Copies of the patch side by side, and its period \[µm\], where there are copies.
+    /// Copies of the patch side by side, and its period \[µm\]; `None` for a Gaussian window.
     copies: Option<(u32, f64)>,
 }
 
-/// One axis of a height field, and how it is looked at.
+/// One axis of a height field, with the position of the window and the band.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     /// Samples of the patch.
@@ -47,7 +47,7 @@ const PATCH_RATIO: f64 = 2.5;
 pub const PATCH_SHAPE: f64 = 2.49;
 
 impl TransformAxis {
-    /// Lays out what `coherence` sees of the axis `look`.
+    /// Lays out the samples of the axis `look` within the window of `coherence`.
     pub fn new(look: &Look, coherence: &Coherence, kernel: &GriddingKernel) -> Self {
         let patch = look.samples as i64;
         // Sample g of the endless surface stands at (g − (N − 1)/2)·spacing and is sample g mod N of the patch. The
@@ -61,8 +61,8 @@ impl TransformAxis {
                 (first, count, GAUSSIAN_RATIO * length / 4.0 / look.spacing)
             }
             Coherence::Repeats(_) => {
-                // As `coherence::WindowedAxis::repeat_weights` decides it, to the last bit: what stands before the window's
-                // begin comes from the copy after the last.
+                // Same rule as `coherence::WindowedAxis::repeat_weights`, to the last bit: samples before the window's begin come from the
+                // copy after the last.
                 let (samples, spacing, shift) = (look.samples, look.spacing, look.shift);
                 let along = coherence::WindowedAxis { samples, spacing, shift };
                 let begin = along.position(0) - spacing / 2.0 + shift;
@@ -96,7 +96,7 @@ impl TransformAxis {
         Self { samples, length, weights, patch_index, bins: (look.reach * length).ceil() as usize, copies }
     }
 
-    /// |S|² of the copies at frequency `f` \[µm⁻¹\].
+    /// Returns |S|² of the copies at frequency `f` \[µm⁻¹\].
     pub fn copies(&self, f: f64) -> f64 {
         self.copies.map_or(1.0, |(n, period)| periodic_factor(n, 2.0 * PI * f * period).norm_sqr())
     }

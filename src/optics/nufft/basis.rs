@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 
 /// Truncation error, relative to the scattered amplitude at the same z.
 const ACCURACY: f64 = 2e-10;
-/// Bins of the histogram of heights over the range, at least; two for each radian of phase on top.
+/// Fewest bins of the histogram of heights over the range; two for each radian of phase are added.
 const BINS: usize = 256;
-/// Part of the weight that every height gets, seen or not.
+/// Part of the weight that every height gets, whether it occurs or not.
 const UNSEEN: f64 = 1e-3;
 /// Points of the interpolation of c_n(z).
 const STENCIL: usize = 8;
@@ -31,7 +31,7 @@ pub struct HeightBasis {
 }
 
 impl HeightBasis {
-    /// The functions for the heights of `field` and |z| up to `z_max` \[rad/µm\].
+    /// Computes the functions for the heights of `field` and |z| up to `z_max` \[rad/µm\].
     pub fn new(field: &HeightField, z_max: f64) -> Self {
         let (low, high) = field.range();
         let (middle, half_range) = ((low + high) / 2.0, (high - low) / 2.0);
@@ -49,7 +49,7 @@ impl HeightBasis {
         let rows: Vec<Vec<Complex64>> = phases
             .iter()
             .map(|&phase| {
-                // Errors count relative to what is scattered.
+                // Errors are relative to the scattered light.
                 let mean: Complex64 = bins.iter().map(|&(t, w)| Complex64::cis(phase * t) * w).sum();
                 let weight = (1.0 - mean.norm_sqr()).max(1e-12).sqrt().recip();
                 jacobi_anger(phase, degrees).into_iter().map(|c| c * weight).collect()
@@ -74,12 +74,12 @@ impl HeightBasis {
         basis
     }
 
-    /// Number of terms.
+    /// Returns the number of terms.
     pub fn terms(&self) -> usize {
         self.series.len()
     }
 
-    /// b_n at `height` \[µm\] into `out`, which has room for all.
+    /// Writes b_n at `height` \[µm\] into `out`, which has room for all.
     pub fn values(&self, height: f64, out: &mut [f64]) {
         let t = if self.half_range > 0.0 { (height - self.middle) / self.half_range } else { 0.0 };
         let polynomials = chebyshev(t, self.series.first().map_or(0, Vec::len));
@@ -88,7 +88,7 @@ impl HeightBasis {
         }
     }
 
-    /// c_n(z) from the coefficients of the Chebyshev series, which `from_series` maps to those of the functions.
+    /// Tabulates c_n(z) from the coefficients of the Chebyshev series, which `from_series` maps to those of the functions.
     fn tabulate(&mut self, from_series: &[Vec<f64>], z_max: f64) {
         let largest_phase = z_max * self.half_range;
         let columns = (largest_phase / PHASE_STEP).ceil().max(8.0) as usize;
@@ -101,7 +101,7 @@ impl HeightBasis {
         }
     }
 
-    /// c_n at 0 ≤ `z` ≤ z_max into `out`.
+    /// Writes c_n at 0 ≤ `z` ≤ z_max into `out`.
     pub fn coefficients(&self, z: f64, out: &mut [Complex64]) {
         let terms = self.terms();
         let place = z / self.column_step;
@@ -114,7 +114,7 @@ impl HeightBasis {
     }
 }
 
-/// T_0 … T_{count−1} at `t`.
+/// Returns T_0 … T_{count−1} at `t`.
 fn chebyshev(t: f64, count: usize) -> Vec<f64> {
     let (mut now, mut next) = (1.0, t);
     (0..count)
@@ -126,8 +126,8 @@ fn chebyshev(t: f64, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// The first `count` coefficients of the Chebyshev series of e^{i·phase·t}, by a cosine transform of its values: exact to
-/// rounding, because the series ends long before the points do.
+/// Returns the first `count` coefficients of the Chebyshev series of e^{i·phase·t}, by a cosine transform of its values: exact to rounding,
+/// because the series ends long before the points do.
 fn jacobi_anger(phase: f64, count: usize) -> Vec<Complex64> {
     let points = 2 * count;
     let angle = |j: usize| PI * (j as f64 + 0.5) / points as f64;
@@ -142,7 +142,7 @@ fn jacobi_anger(phase: f64, count: usize) -> Vec<Complex64> {
     series
 }
 
-/// ⟨T_n T_m⟩ under the weights of the heights, for m ≤ n.
+/// Returns ⟨T_n T_m⟩ under the weights of the heights, for m ≤ n.
 fn gram(bins: &[(f64, f64)], degrees: usize) -> Vec<Vec<f64>> {
     let mut gram: Vec<Vec<f64>> = (0..degrees).map(|n| vec![0.0; n + 1]).collect();
     for &(t, weight) in bins {
@@ -154,7 +154,7 @@ fn gram(bins: &[(f64, f64)], degrees: usize) -> Vec<Vec<f64>> {
     gram
 }
 
-/// L of a symmetric `matrix` = L Lᵀ, both lower triangles by rows; `None` where it is not positive definite.
+/// Returns L of a symmetric `matrix` = L Lᵀ, both lower triangles by rows; `None` if it is not positive definite.
 fn cholesky(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     for row in 0..matrix.len() {
         for column in 0..=row {
@@ -170,12 +170,12 @@ fn cholesky(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     Some(matrix)
 }
 
-/// L·`v`.
+/// Returns L·`v`.
 fn product(lower: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
     lower.iter().map(|row| row.iter().zip(v).map(|(l, v)| l * v).sum()).collect()
 }
 
-/// The solution of Lᵀ·x = `v`.
+/// Returns the solution of Lᵀ·x = `v`.
 fn solve_transposed(lower: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
     let mut x = v.to_vec();
     for row in (0..x.len()).rev() {
@@ -187,7 +187,7 @@ fn solve_transposed(lower: &[Vec<f64>], v: &[f64]) -> Vec<f64> {
     x
 }
 
-/// Weights of the points −3 … 4 of a polynomial through them, at `x` ∈ \[0, 1\].
+/// Returns the weights of the points −3 … 4 of a polynomial through them, at `x` ∈ \[0, 1\].
 fn lagrange(x: f64) -> [f64; STENCIL] {
     let place = |i: usize| i as f64 - (STENCIL as f64 / 2.0 - 1.0);
     std::array::from_fn(|i| {
@@ -196,7 +196,7 @@ fn lagrange(x: f64) -> [f64; STENCIL] {
     })
 }
 
-/// The fewest terms that leave no point of z with more than [`ACCURACY`].
+/// Returns the fewest terms whose error is at most [`ACCURACY`] at every point of z.
 fn terms_needed(Svd { u, s, .. }: &Svd, points: usize) -> usize {
     let mut left = vec![0.0; points];
     for n in (0..s.len()).rev() {
@@ -210,7 +210,7 @@ fn terms_needed(Svd { u, s, .. }: &Svd, points: usize) -> usize {
     1
 }
 
-/// Centres in t and weights, which add up to 1, of `count` bins of the heights.
+/// Returns the centres in t and the weights, which add up to 1, of `count` bins of the heights.
 fn histogram(field: &HeightField, middle: f64, half_range: f64, count: usize) -> Vec<(f64, f64)> {
     let mut counts = vec![0.0f64; count];
     for &h in field.heights() {
@@ -227,7 +227,7 @@ fn histogram(field: &HeightField, middle: f64, half_range: f64, count: usize) ->
 mod tests {
     use super::*;
 
-    /// The largest error over heights in range and 0 ≤ z ≤ z_max.
+    /// Returns the largest error over heights in range and 0 ≤ z ≤ z_max.
     fn sup_error(range: f64, z_max: f64) -> (usize, f64) {
         let heights = (0..4096).map(|i| range * f64::from(i) / 4095.0).collect();
         let field = HeightField::new(64, 64, [0.1, 0.1], heights).unwrap();

@@ -17,7 +17,7 @@ pub struct GriddingKernel {
 }
 
 impl GriddingKernel {
-    /// The kernel with β = `shape`·w.
+    /// Returns the kernel with β = `shape`·w.
     pub fn new(shape: f64) -> Self {
         let beta = shape * TAPS as f64;
         let peak = bessel_i0(beta);
@@ -42,12 +42,12 @@ impl GriddingKernel {
         Self { shape, pieces }
     }
 
-    /// Place of a tap relative to the bin at or below: −4 … 5.
+    /// Returns the offset of a tap from the bin at or below: −4 … 5.
     pub fn offset(tap: usize) -> f64 {
         tap as f64 - (TAPS as f64 / 2.0 - 1.0)
     }
 
-    /// φ at every tap for a place `fraction` ∈ \[0, 1) above a bin.
+    /// Returns φ at every tap for a place `fraction` ∈ \[0, 1) above a bin.
     pub fn weights(&self, fraction: f64) -> [f64; TAPS] {
         let x = 2.0 * fraction - 1.0;
         // Clenshaw's recurrence, all taps at once.
@@ -62,7 +62,7 @@ impl GriddingKernel {
         std::array::from_fn(|tap| x * last[tap] - before[tap] + self.pieces[0][tap])
     }
 
-    /// ∫ φ(t) e^{2πixt} dt, in the same units, at `x` = position/length within ±1/2.
+    /// Returns ∫ φ(t) e^{2πixt} dt, in the same units, at `x` = position/length within ±1/2.
     pub fn transform(&self, x: f64) -> f64 {
         let width = TAPS as f64;
         let beta = self.shape * width;
@@ -72,7 +72,7 @@ impl GriddingKernel {
     }
 }
 
-/// I₀(x) by its power series, whose terms are all positive.
+/// Returns I₀(x) by its power series, whose terms are all positive.
 fn bessel_i0(x: f64) -> f64 {
     let quarter = x * x / 4.0;
     let (mut term, mut sum) = (1.0, 1.0);

@@ -19,19 +19,19 @@ use spectra::Spectra;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Pairs between two calls of `progress`.
+/// Number of pairs between two calls of `progress`.
 const AT_ONCE: usize = 2048;
-/// Multiplications of the direct sum that take as long as one sample of one transform.
+/// Multiplications of the direct sum per sample of one transform in the same time.
 const SUMS_PER_TRANSFORMED: f64 = 40.0;
 
-/// Called with the steps done and in total; an error from it ends the work.
+/// Progress callback with the steps done and in total; an error from it ends the work.
 pub type Progress<'a> = &'a dyn Fn(usize, usize) -> Result<()>;
 
-/// XYZ of f·cos θ_i \[sr⁻¹\] of many directions; see [`Reference::cosine_weighted_xyz`] for one. A few directions are summed
-/// directly.
+/// Computes XYZ of f·cos θ_i \[sr⁻¹\] of many directions; see [`Reference::cosine_weighted_xyz`] for a single one. A few directions are
+/// summed directly.
 ///
 /// # Errors
-/// As [`Reference::cosine_weighted_xyz`], too little memory, and what `progress` returns.
+/// Those of [`Reference::cosine_weighted_xyz`], too little memory, and errors of `progress`.
 pub fn cosine_weighted_xyz(
     reference: &Reference<'_>,
     illuminant: &Illuminant,
@@ -73,7 +73,7 @@ pub fn cosine_weighted_xyz(
     Ok(colours)
 }
 
-/// Where the windows that `reference` averages over stand \[µm\].
+/// Returns the positions of the windows that `reference` averages over \[µm\].
 fn shifts(reference: &Reference<'_>) -> Vec<[f64; 2]> {
     let ([n, m], patch) = (reference.windows(), reference.field().patch_size());
     let shift = |window: u32| {
@@ -82,11 +82,11 @@ fn shifts(reference: &Reference<'_>) -> Vec<[f64; 2]> {
     (0..n * m).map(shift).collect()
 }
 
-/// Wavelengths of the colour functions alone, a third of what the direct sum takes: on *Elaphe* through 65 µm, colours
-/// differ by 1e-6 (RMS; the largest of 400 by 1e-5) from those of 1600 and more.
+/// Wavelengths for the colour functions alone, a third of those in the direct sum: on *Elaphe* through 65 µm, colours differ by 1e-6 (RMS;
+/// the largest of 400 by 1e-5) from those of 1600 and more.
 const COLOUR_NODES: usize = 128;
 
-/// Wavelengths for `pair`, of few different counts; 0 below the horizon.
+/// Returns the number of wavelengths for `pair`, one of few different numbers; 0 below the horizon.
 fn node_count(reference: &Reference<'_>, pair: &Pair) -> Result<usize> {
     if !pair.above_horizon() {
         return Ok(0);
@@ -96,7 +96,7 @@ fn node_count(reference: &Reference<'_>, pair: &Pair) -> Result<usize> {
     Ok(WavelengthSets::RATIO.powf(level).ceil() as usize)
 }
 
-/// Largest frequencies of `pairs` along x and y at wavelengths from `shortest` \[µm\] \[µm⁻¹\].
+/// Returns the largest frequencies of `pairs` along x and y at wavelengths from `shortest` \[µm\] \[µm⁻¹\].
 fn reach_of(pairs: &[Pair], shortest: f64) -> [f64; 2] {
     let largest = pairs
         .iter()
@@ -105,7 +105,7 @@ fn reach_of(pairs: &[Pair], shortest: f64) -> [f64; 2] {
     (largest / shortest).to_array()
 }
 
-/// Whether the direct sum is faster than the transforms.
+/// Returns true if the direct sum is faster than the transforms.
 fn is_little(reference: &Reference<'_>, counts: &[usize], shortest: f64) -> bool {
     let field = reference.field();
     let samples = field.heights().len() as f64;

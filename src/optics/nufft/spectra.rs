@@ -14,10 +14,10 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Bins that the kernel reaches beyond a frequency.
+/// Bins of the kernel beyond a frequency.
 const GUARD: usize = TAPS / 2;
 
-/// The spectra of one surface under one window.
+/// Spectra of one surface under one window.
 #[derive(Debug)]
 pub struct Spectra<'a> {
     basis: &'a HeightBasis,
@@ -26,7 +26,7 @@ pub struct Spectra<'a> {
     y: TransformAxis,
     /// `[f_x][f_y][term]`, f_x from −`GUARD` bins, f_y from −(bins + `GUARD`): Re, Im in µm².
     texels: Vec<f64>,
-    /// Numbers of a texel: two for each term, of which there is an even number.
+    /// Numbers in a texel: two for each term; the number of terms is even.
     stride: usize,
     /// Band limit of the samples along x and y \[µm⁻¹\].
     band: [f64; 2],
@@ -95,8 +95,8 @@ impl<'a> Spectra<'a> {
         }
     }
 
-    /// Every row of the window, at the bins of f_x that are kept: two real functions, of which one transform gives both
-    /// spectra, A(f) = (Z(f) + Z*(−f))/2 and B(f) = (Z(f) − Z*(−f))/2i.
+    /// Transforms every row of the window, at the kept bins of f_x. One transform gives the spectra of two real functions, A(f) = (Z(f) +
+    /// Z*(−f))/2 and B(f) = (Z(f) − Z*(−f))/2i.
     fn transform_rows(
         &self,
         patch_columns: usize,
@@ -169,13 +169,13 @@ impl<'a> Spectra<'a> {
         );
     }
 
-    /// |P|² \[µm⁴\] at the wavenumbers q_j = `first` + j·`step` \[µm⁻¹\], as
-    /// [`crate::optics::reference::Reference::power`] of one window.
+    /// Returns |P|² \[µm⁴\] at the wavenumbers q_j = `first` + j·`step` \[µm⁻¹\], like [`crate::optics::reference::Reference::power`] of
+    /// one window.
     pub fn power(&self, uvw: DVec3, first: f64, step: f64, count: usize) -> Vec<f64> {
         let mut power = vec![0.0; count];
         let mut coefficients = vec![Complex64::ZERO; self.basis.terms()];
         let mut sums = vec![0.0; self.stride];
-        // |P(f, −z)| = |Σ c_n(z)* P_n(f)|, and P_n(−f) = P_n(f)*: turning f around conjugates what is stored instead.
+        // |P(f, −z)| = |Σ c_n(z)* P_n(f)|, and P_n(−f) = P_n(f)*: for −f the stored values are conjugated instead.
         let conjugate = if uvw.x < 0.0 { 1.0 } else { -1.0 };
         let (u, v) = if uvw.x < 0.0 { (-uvw.x, -uvw.y) } else { (uvw.x, uvw.y) };
         for (j, power) in power.iter_mut().enumerate() {
@@ -196,7 +196,7 @@ impl<'a> Spectra<'a> {
         power
     }
 
-    /// The terms at a frequency \[µm⁻¹\], f_x ≥ 0.
+    /// Interpolates the terms at a frequency \[µm⁻¹\], f_x ≥ 0.
     fn read(&self, fx: f64, fy: f64, sums: &mut [f64]) {
         let (px, py) = (fx * self.x.length, fy * self.y.length);
         let (left, below) = (px.floor(), py.floor());
@@ -223,7 +223,7 @@ impl<'a> Spectra<'a> {
     }
 }
 
-/// W numbers from `term` on of a weighted sum over all taps, held in registers.
+/// Sums W numbers from `term` on over all taps with their weights, in registers.
 fn block<const W: usize>(
     lines: &[&[f64]; TAPS],
     wx: &[f64; TAPS],

@@ -11,7 +11,7 @@ fn patch(kind: SurfaceKind, size: f64) -> HeightField {
     synth::generate(&Spec { patch: Some([size; 2]), ..Spec::new(kind) }).unwrap()
 }
 
-/// Pairs of directions above the horizon, seven tenths of which are anywhere and the rest near the specular direction.
+/// Returns pairs of directions above the horizon, seven tenths of which are anywhere and the rest near the specular direction.
 fn pairs(count: usize, seed: u64) -> Vec<Pair> {
     let mut random = Random::new(seed);
     let mut uniform = || random.share();
@@ -29,7 +29,7 @@ fn pairs(count: usize, seed: u64) -> Vec<Pair> {
         .collect()
 }
 
-/// The largest error of single wavelengths relative to each one's own value, over those that are not speckle's zeros.
+/// Returns RMS and largest error of single wavelengths relative to their values; near zeros of the speckle relative to a floor.
 fn worst(field: &HeightField, coherence: Coherence, windows: [u32; 2], seed: u64) -> (f64, f64) {
     let reference = Reference::new(field, coherence, windows, 1.5);
     let basis = HeightBasis::new(field, 4.0 * PI / SHORTEST);
@@ -59,8 +59,8 @@ fn worst(field: &HeightField, coherence: Coherence, windows: [u32; 2], seed: u64
         let typical = exact.iter().sum::<f64>() / 5.0;
         for (a, b) in fine.iter().zip(&exact) {
             assert_eq!(*b == 0.0, *a == 0.0, "the band ends elsewhere");
-            // A zero of the speckle has no digits of its own: its floor is a thousandth of its surroundings. Between the
-            // orders of a grating there is nothing at all: the floor is a billionth of the specular peak.
+            // A zero of the speckle has no relative accuracy: its floor is a thousandth of its surroundings. Between the orders of a
+            // grating there is no light at all: the floor is a billionth of the specular peak.
             let error = (a - b).abs() / b.max(1e-3 * typical).max(1e-9 * peak);
             squares += error * error;
             largest = largest.max(error);

@@ -1,11 +1,12 @@
 //! Errors of scalar theory for a surface, looked up in a table of rigorous efficiencies.
 //!
-//! The optics takes each point of the surface for a part of its tangent plane (the Kirchhoff approximation) and light for a scalar wave.
-//! `tools/validity` compares it with the C method [Chandezon et al. 1982, J. Opt. Soc. Am. 72, 839] for grooves in one direction, light in the
-//! plane across them; `docs/VALIDITY.md` has the results. The angles of the orders follow from the period alone and are exact.
+//! The optics replaces the surface at each point by its tangent plane (the Kirchhoff approximation) and light by a scalar wave.
+//! `tools/validity` compares it with the C method [Chandezon et al. 1982, J. Opt. Soc. Am. 72, 839] for grooves in one direction, light in
+//! the plane across them; `docs/VALIDITY.md` has the results. The angles of the orders follow from the period alone and are exact.
 
 mod table;
 
+use super::polarisation::Polarisation;
 use super::reflectance::Reflectance;
 use super::spectrum::MIDDLE;
 use crate::error::Result;
@@ -21,8 +22,10 @@ pub struct ScalarTheory {
     line: String,
     /// The profile that was looked up.
     grooves: Option<ProfileShape>,
-    /// Errors by the angle of incidence; empty where they are not known.
+    /// Errors by the angle of incidence; empty if unknown.
     errors: Vec<AngleErrors>,
+    /// Polarisation of the light, whose error the line tells.
+    polarisation: Polarisation,
 }
 
 impl ScalarTheory {
@@ -33,7 +36,7 @@ impl ScalarTheory {
         let found = match relief {
             Relief::Flat => {
                 let line = "diffracted orders err by 0 %: a mirror has none".to_owned();
-                return Self { line, grooves: None, errors: Vec::new() };
+                return Self { line, grooves: None, errors: Vec::new(), polarisation: Polarisation::None };
             }
             Relief::Crossed([larger, smaller]) => Err(format!(
                 "RMS slopes in two directions, {larger:.2} and {smaller:.2}; computed for grooves in one direction"
@@ -45,12 +48,14 @@ impl ScalarTheory {
         };
         match found {
             Ok((grooves, errors)) => {
-                let line = format!("{}; {}", by_angle(&errors), described(&grooves, reflectance));
-                Self { line, grooves: Some(grooves), errors }
+                let polarisation = reflectance.polarisation();
+                let line =
+                    format!("{}; {}", by_angle(&errors, polarisation), described(&grooves, reflectance));
+                Self { line, grooves: Some(grooves), errors, polarisation }
             }
             Err(reason) => {
                 let line = format!("not known: {reason}; angles of orders are exact");
-                Self { line, grooves: None, errors: Vec::new() }
+                Self { line, grooves: None, errors: Vec::new(), polarisation: Polarisation::None }
             }
         }
     }
@@ -63,57 +68,67 @@ impl ScalarTheory {
         Ok(Self::new(Relief::of(field)?, reflectance))
     }
 
-    /// [`Self::line`] of `field` for a picture's metadata, or why there is none.
+    /// Returns [`Self::line`] of `field` for a picture's metadata, or the reason why there is none.
     pub fn note(field: &HeightField, reflectance: &Reflectance) -> String {
         Self::of_field(field, reflectance).map_or_else(|e| format!("not known: {e}"), |found| found.line)
     }
 
-    /// The line of `surface info` and of a picture's metadata.
+    /// Returns the line of `surface info` and of a picture's metadata.
     pub fn line(&self) -> &str {
         &self.line
     }
 
-    /// The errors of the least and the greatest angle of incidence, for a row of a panel.
+    /// Returns the errors of the least and the greatest angle of incidence, for a row of a panel.
     pub fn brief(&self) -> String {
         match self.errors.as_slice() {
             [] => self.line.split([':', ';']).next().unwrap_or_default().to_owned(),
-            [only] => error_at(only.mean, only.angle),
-            [first, .., last] => {
-                format!("{}, {}", error_at(first.mean, first.angle), error_at(last.mean, last.angle))
-            }
+            [only] => self.error_at(only),
+            [first, .., last] => format!("{}, {}", self.error_at(first), self.error_at(last)),
         }
+    }
+
+    /// Returns the error at an angle in a few words.
+    fn error_at(&self, errors: &AngleErrors) -> String {
+        let error = percent(errors.in_light(self.polarisation)).replace("more than", "over");
+        format!("{error} at {}°", errors.angle)
     }
 }
 
-/// Returns an error at an angle \[degrees\] in a few words.
-fn error_at(error: f64, angle: f64) -> String {
-    format!("{} at {angle}°", percent(error).replace("more than", "over"))
-}
-
-/// Returns what was looked up, in words.
+/// Describes the entry of the table in words.
 fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
     let [period, height] = [grooves.period, grooves.height].map(|length| length / MIDDLE);
     let [profile, material] =
         [grooves.profile.name(), MaterialClass::of(reflectance).map_or("", MaterialClass::name)];
+    let light = match reflectance.polarisation() {
+        Polarisation::None => "",
+        Polarisation::Te => " in TE light",
+        Polarisation::Tm => " in TM light",
+    };
+    /// Slope along the grooves above which the line tells it.
+    const NEARLY_STRAIGHT: f64 = 0.02;
+    let left_out = match grooves.slope_along {
+        slope if slope > NEARLY_STRAIGHT => format!(", RMS slope {slope:.2} along the grooves left out"),
+        _ => String::new(),
+    };
     format!(
-        "mean weighted by light, {profile} on {material}, period {period:.1} λ, height {height:.2} λ at {:.0} nm; angles of orders are exact",
+        "mean weighted by light, {profile} on {material}{light}, period {period:.1} λ, height {height:.2} λ at {:.0} nm{left_out}; angles of orders are exact",
         MIDDLE * 1e3
     )
 }
 
-/// Returns the errors of unpolarised light in words: those up to an angle together while they hardly differ.
-fn by_angle(errors: &[AngleErrors]) -> String {
-    /// Errors below this share, or below [`ALIKE`] times the first of a group, are told together.
+/// Describes the errors in light of this polarisation, one phrase for a range of angles with nearly equal errors.
+fn by_angle(errors: &[AngleErrors], polarisation: Polarisation) -> String {
+    /// Share below which errors form one group, like those below [`ALIKE`] times the first of a group.
     const SMALL: f64 = 0.02;
     const ALIKE: f64 = 1.5;
     let mut groups: Vec<(f64, f64, f64)> = Vec::new(); // first angle, last angle, largest error
     let mut limit = 0.0;
-    for e in errors {
+    for (angle, error) in errors.iter().map(|e| (e.angle, e.in_light(polarisation))) {
         match groups.last_mut() {
-            Some((_, last, largest)) if e.mean <= limit => (*last, *largest) = (e.angle, largest.max(e.mean)),
+            Some((_, last, largest)) if error <= limit => (*last, *largest) = (angle, largest.max(error)),
             _ => {
-                limit = (ALIKE * e.mean).max(SMALL);
-                groups.push((e.angle, e.angle, e.mean));
+                limit = (ALIKE * error).max(SMALL);
+                groups.push((angle, angle, error));
             }
         }
     }
@@ -125,7 +140,7 @@ fn by_angle(errors: &[AngleErrors]) -> String {
     format!("diffracted orders err by {}", words.collect::<Vec<_>>().join(", "))
 }
 
-/// Returns a share in whole percent, rounded up; more than all is told as such.
+/// Returns a share in whole percent, rounded up, or "more than 100 %".
 fn percent(share: f64) -> String {
     if share > 1.0 {
         "more than 100 %".to_owned()
@@ -144,12 +159,12 @@ mod tests {
 
     fn metal() -> Reflectance {
         let material = Material::from_name_or_file("aluminium").unwrap();
-        Reflectance::Fresnel { material, film: None }
+        Reflectance::of_material(material, None)
     }
 
     fn sinusoid(period: f64, height: f64) -> Relief {
         let [period, height] = [period, height].map(|length| length * MIDDLE);
-        Relief::Grooves(ProfileShape { profile: ProfileKind::Sinusoid, period, height })
+        Relief::Grooves(ProfileShape { profile: ProfileKind::Sinusoid, period, height, slope_along: 0.0 })
     }
 
     fn at(theory: &ScalarTheory, angle: f64) -> f64 {
@@ -189,8 +204,8 @@ mod tests {
         let film = Some(Film { thickness: 0.1, index: 1.7 });
         let silicon = Material::from_name_or_file("silicon").unwrap();
         for (reflectance, word) in [
-            (Reflectance::Fresnel { material: Material::constant(1.5), film }, "film"),
-            (Reflectance::Fresnel { material: silicon, film: None }, "refractive indices"),
+            (Reflectance::of_material(Material::constant(1.5), film), "film"),
+            (Reflectance::of_material(silicon, None), "refractive indices"),
             (Reflectance::Schlick(1.5), "Fresnel"),
         ] {
             let line = line(sinusoid(5.0, 0.2), &reflectance);
@@ -203,9 +218,12 @@ mod tests {
         let errors = |means: &[(f64, f64)]| -> Vec<AngleErrors> {
             means.iter().map(|&(angle, mean)| AngleErrors { angle, mean, te: mean, tm: mean }).collect()
         };
-        let line = by_angle(&errors(&[(0.0, 0.021), (30.0, 0.01), (45.0, 0.03), (60.0, 0.114), (75.0, 1.4)]));
+        let line = by_angle(
+            &errors(&[(0.0, 0.021), (30.0, 0.01), (45.0, 0.03), (60.0, 0.114), (75.0, 1.4)]),
+            Polarisation::None,
+        );
         assert_eq!(line, "diffracted orders err by 3 % up to 45°, 12 % at 60°, more than 100 % at 75°");
-        let line = by_angle(&errors(&[(30.0, 0.1), (45.0, 0.12)]));
+        let line = by_angle(&errors(&[(30.0, 0.1), (45.0, 0.12)]), Polarisation::Te);
         assert_eq!(line, "diffracted orders err by 12 % from 30° to 45°");
     }
 

@@ -1,5 +1,6 @@
 //! The table of errors that `tools/validity` computed, read between its points.
 
+use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
 use crate::surface::statistics::ProfileShape;
@@ -11,7 +12,7 @@ const TABLE: &str = include_str!("../../../assets/validity/table.csv");
 /// Errors below this are not told apart: an error that changes its sign passes 0, and reading beside that place would promise too much.
 const SMALLEST: f64 = 0.01;
 
-/// Longer periods err by no more than this one \[wavelengths\].
+/// Period beyond which errors do not grow \[wavelengths\].
 const LONG_ENOUGH: f64 = 3.0;
 
 /// Materials that behave alike.
@@ -34,7 +35,7 @@ impl MaterialClass {
         match reflectance {
             Reflectance::Schlick(_) => Err("computed with Fresnel's equations".to_owned()),
             Reflectance::Fresnel { film: Some(_), .. } => Err("computed without a film".to_owned()),
-            Reflectance::Fresnel { material, film: None } => {
+            Reflectance::Fresnel { material, film: None, .. } => {
                 let index = material.index(MIDDLE);
                 if index.im >= METALLIC {
                     Ok(Self::Metal)
@@ -70,6 +71,17 @@ pub struct AngleErrors {
     pub te: f64,
     /// Error in light polarised across the grooves, likewise.
     pub tm: f64,
+}
+
+impl AngleErrors {
+    /// Returns the error in light of this polarisation.
+    pub fn in_light(&self, polarisation: Polarisation) -> f64 {
+        match polarisation {
+            Polarisation::None => self.mean,
+            Polarisation::Te => self.te,
+            Polarisation::Tm => self.tm,
+        }
+    }
 }
 
 /// A point of the table.
@@ -191,7 +203,7 @@ mod tests {
     #[test]
     fn points_of_the_table_are_returned_and_between_them_the_geometric_mean() {
         let error = |period: f64, height: f64| {
-            let grooves = ProfileShape { profile: ProfileKind::Sinusoid, period, height };
+            let grooves = ProfileShape { profile: ProfileKind::Sinusoid, period, height, slope_along: 0.0 };
             let found = errors(&grooves, MaterialClass::Dielectric, 1.0).unwrap();
             found.iter().find(|e| e.angle == 60.0).unwrap().mean
         };

@@ -1,12 +1,14 @@
-//! Directions that pixels see, by rays in f64: the geometry of the reference, which shares no step with the passes that it judges.
+//! Directions seen by pixels, from rays in f64: the geometry of the reference, which shares no step with the passes
+//! that it checks.
 //!
-//! A ray leads through the place of a pixel at which a sample looks, and to the nearest triangle of all objects. Normal and tangent are interpolated there,
-//! as the mesh defines them, and the vectors to viewer and light are taken into that frame; `surface.vert` takes them at the vertices. A footprint is the
-//! difference across one pixel on the plane of the triangle.
+//! A ray passes through the position of a sample in its pixel to the nearest triangle of all objects. Normal and
+//! tangent are interpolated there, as the mesh defines them, and the vectors to viewer and light are transformed to
+//! that frame; `surface.vert` transforms them at the vertices. A footprint is the difference across one pixel on the
+//! plane of the triangle.
 
 mod pixel;
 mod reflection;
-mod surface;
+mod surface_place;
 mod triangles;
 
 use super::directions::Directions;
@@ -16,57 +18,56 @@ use super::light_passes::LightPass;
 use super::object::ObjectTextures;
 use super::shading::Shading;
 use crate::optics::coherence::Windows;
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Mesh, Object, Scene};
 use glam::DVec3;
 use pixel::{RayFrame, SeenPixel};
 use rayon::prelude::*;
 use triangles::Triangles;
 
-/// Object that rays meet.
+/// Object for ray casting.
 #[derive(Clone, Copy)]
 pub struct RayObject<'a> {
     /// Its mesh.
     pub mesh: &'a Mesh,
-    /// How the patch lies on the mesh.
+    /// Orientation of the patch on the mesh.
     pub grooves: &'a GrooveDirections,
-    /// Whether it casts shadows, where lights do.
+    /// True if it casts shadows from lights that do.
     pub casts_shadows: bool,
 }
 
-/// Returns the objects of `scene`, the first object first, with what was read for them.
+/// Returns the objects of `scene` with their `textures`.
 pub fn objects<'a>(scene: &'a Scene, textures: &'a [ObjectTextures]) -> Vec<RayObject<'a>> {
-    let casts = std::iter::once(true).chain(scene.objects.iter().map(|object| !object.is_ground));
-    let object = |((mesh, textures), casts_shadows): ((_, &'a ObjectTextures), _)| RayObject {
-        mesh,
+    let object = |(object, textures): (&'a Object, &'a ObjectTextures)| RayObject {
+        mesh: &object.mesh,
         grooves: &textures.grooves,
-        casts_shadows,
+        casts_shadows: !object.is_ground,
     };
-    scene.meshes().zip(textures).zip(casts).map(object).collect()
+    scene.objects.iter().zip(textures).map(object).collect()
 }
 
-/// Data that the directions of a frame hold beside the directions.
+/// Settings of the data computed in addition to the directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RaySettings {
     /// Width and height of the picture \[pixels\].
     pub size: [u32; 2],
-    /// Whether footprints are computed.
+    /// True if footprints are computed.
     pub footprints: bool,
-    /// Whether lights cast shadows.
+    /// True if lights cast shadows.
     pub shadows: bool,
-    /// Variance of (u, v) over which the specular order spreads, where surroundings are mirrored.
+    /// Variance of (u, v) of the specular order, if it mirrors surroundings.
     pub specular_spread: Option<f64>,
 }
 
 impl RaySettings {
-    /// Data that the reference of a picture of `size` pixels needs by `shading`: the mean over windows is averaged over footprints, and its specular
-    /// order mirrors the surroundings.
+    /// Returns the settings for the reference of a picture of `size` pixels by `shading`: the mean over windows is
+    /// averaged over footprints, and its specular order mirrors the surroundings.
     pub fn new(size: [u32; 2], shadows: bool, shading: &Shading) -> Self {
         let footprints = shading.windows == Windows::All;
         Self { size, footprints, shadows, specular_spread: shading.specular_spread().filter(|_| footprints) }
     }
 }
 
-/// Objects of a scene as rays meet them.
+/// Scene prepared for ray casting.
 pub struct RayScene<'a> {
     objects: Vec<RayObject<'a>>,
     triangles: Triangles,

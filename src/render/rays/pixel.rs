@@ -1,7 +1,7 @@
-//! The ray of one pixel: what it meets, and the directions there.
+//! Ray of one pixel: its hit and the directions there.
 
 use super::reflection::Reflection;
-use super::surface::SurfacePlace;
+use super::surface_place::SurfacePlace;
 use super::triangles::{Ray, Triangle};
 use super::{RayObject, RayScene, RaySettings};
 use crate::render::frame::View;
@@ -9,15 +9,15 @@ use crate::render::light_passes::LightPass;
 use crate::scene::{Environment, Incident};
 use glam::{DVec2, DVec3};
 
-/// Data of a pixel that an object covers.
+/// Data of a covered pixel.
 pub(super) struct SeenPixel {
-    /// ω_i; below the surface where the light does not reach it.
+    /// ω_i; below the surface if the pixel is in shadow.
     pub light: DVec3,
     /// ω_r.
     pub view: DVec3,
-    /// As [`Directions::footprints`](crate::render::directions::Directions::footprints).
+    /// Same as [`Directions::footprints`](crate::render::directions::Directions::footprints).
     pub footprint: [f32; 4],
-    /// Brightness of the light as a factor of that at distance 1 straight before a lamp.
+    /// Brightness of the light as a factor of that at distance 1 on the axis of a lamp.
     pub falloff: f32,
     /// Radiance of the surroundings in the mirrored direction, linear sRGB.
     pub mirrored: [f32; 3],
@@ -31,37 +31,37 @@ pub(super) struct RayFrame<'a> {
     pub scene: &'a RayScene<'a>,
     /// View of them.
     pub view: &'a View,
-    /// Light, and where in the pixels its sample looks.
+    /// Light, and the sample position in the pixels.
     pub pass: &'a LightPass,
-    /// Data that is asked for.
+    /// Requested data.
     pub settings: &'a RaySettings,
     /// Light of the pass.
     pub incident: Incident,
     /// Position of the viewer.
     pub eye: DVec3,
-    /// Surroundings whose mirrored radiance is asked for.
+    /// Surroundings, if their mirrored radiance is requested.
     pub mirrored: Option<&'a Environment>,
 }
 
-/// Triangle that a pixel shows, and which side of it.
+/// Triangle seen by a pixel, and its side.
 #[derive(Clone, Copy)]
 struct Face<'a> {
     object: &'a RayObject<'a>,
     triangle: &'a Triangle,
     /// Unit normal of the triangle, toward the viewer.
     normal: DVec3,
-    /// Whether the back of the surface is seen.
+    /// True if the back of the surface is seen.
     back: bool,
 }
 
-/// Directions at a place of a pixel.
+/// Directions at a point of a pixel.
 #[derive(Clone, Copy)]
 struct PlaceDirections {
     /// ω_r.
     view: DVec3,
     /// ω_i.
     light: DVec3,
-    /// Mirrored direction of the viewer, in the world.
+    /// Mirrored direction of the viewer, in world space.
     mirrored: DVec3,
 }
 
@@ -76,7 +76,7 @@ impl PlaceDirections {
 }
 
 impl RayFrame<'_> {
-    /// Returns the ray through the place of pixel number `pixel` at which the sample looks, and `beside` it \[pixels\].
+    /// Returns the ray through the sample position in pixel number `pixel`, offset by `beside` \[pixels\].
     fn ray(&self, pixel: usize, beside: DVec2) -> Ray {
         let size = self.settings.size;
         let corner = DVec2::new((pixel % size[0] as usize) as f64, (pixel / size[0] as usize) as f64);
@@ -84,12 +84,12 @@ impl RayFrame<'_> {
         Ray { origin: self.eye, direction: self.view.camera.ray(place, size) }
     }
 
-    /// Returns a vector from `position` to the light; of a lamp as long as it is away.
+    /// Returns a vector from `position` to the light. For a lamp its length is the distance.
     fn to_light(&self, position: DVec3) -> DVec3 {
         self.incident.place.map_or(self.incident.direction, |lamp| lamp.point - position)
     }
 
-    /// Casts the ray of pixel number `pixel`; `None` where it meets nothing.
+    /// Casts the ray of pixel number `pixel`; `None` if it hits nothing.
     pub fn pixel(&self, pixel: usize) -> Option<SeenPixel> {
         let RayScene { objects, triangles } = self.scene;
         let (triangle, crossing) = triangles.nearest(&self.ray(pixel, DVec2::ZERO))?;
@@ -110,7 +110,7 @@ impl RayFrame<'_> {
         })
     }
 
-    /// Returns the directions at `place`, of which the back may be seen.
+    /// Returns the directions at `place`, seen from the `back` or from the front.
     fn directions_at(&self, place: &SurfacePlace, back: bool) -> PlaceDirections {
         let to_eye = self.eye - place.position;
         PlaceDirections {
@@ -120,8 +120,8 @@ impl RayFrame<'_> {
         }
     }
 
-    /// Returns the directions half a pixel to the left and right, then above and below, on the plane of the triangle; `None` where one of these rays does
-    /// not meet it.
+    /// Returns the directions half a pixel to the left and right, then above and below, on the plane of the triangle;
+    /// `None` if one of these rays misses the plane.
     fn change(&self, pixel: usize, face: &Face<'_>) -> Option<Change> {
         let at = |beside: DVec2| {
             let crossing = face.triangle.crossing(&self.ray(pixel, beside)).filter(|c| c.distance > 0.0)?;
@@ -132,15 +132,17 @@ impl RayFrame<'_> {
         Some([pair(DVec2::X * 0.5)?, pair(DVec2::Y * 0.5)?])
     }
 
-    /// Bounds the cosine from below by how much it changes over the part of the pixel that shading averages over, as `to_viewer` of `geometry.frag` does: a
-    /// rule of single samples, whose BRDF would have no bound at a silhouette. The more samples, the nearer the bound is to 0.
+    /// Bounds the cosine from below by its change over the filter that shading averages over, as `to_viewer` of
+    /// `geometry.frag` does. Without this bound the BRDF of a single sample diverges at a silhouette. With more samples
+    /// the bound approaches 0.
     fn to_viewer(&self, view: DVec3, change: Option<&Change>) -> DVec3 {
         let slopes = change.map(|pairs| pairs.map(|[before, after]| after.view.z - before.view.z));
         let spread = self.pass.sample.footprint * slopes.map_or(0.0, |slopes| DVec2::from(slopes).length());
         if view.z > 0.0 && spread > view.z { DVec3 { z: spread.min(1.0), ..view } } else { view }
     }
 
-    /// Returns du/dx, dv/dx, du/dy, dv/dy per pixel, or where the light has an extent the columns of a matrix of the same covariance together with it.
+    /// Returns du/dx, dv/dx, du/dy, dv/dy per pixel. If the light has an extent, returns a matrix square root of the
+    /// sum of both covariances.
     fn footprint(&self, place: &SurfacePlace, seen: &PlaceDirections, change: Option<&Change>) -> [f64; 4] {
         let columns = change.map(|pairs| pairs.map(|[before, after]| after.uv() - before.uv()));
         let [right, down] = columns.unwrap_or_default();
@@ -151,7 +153,7 @@ impl RayFrame<'_> {
         if variance <= 0.0 {
             return [right.x, right.y, down.x, down.y];
         }
-        // Directions that vary across the light change u and v by its projection: variance · (1 − l lᵀ).
+        // Directions that vary across the light change (u, v) by its projection: variance · (1 − l lᵀ).
         let l = seen.light;
         let uu = right.x.powi(2) + down.x.powi(2) + variance * (1.0 - l.x * l.x);
         let uv = right.x * right.y + down.x * down.y - variance * l.x * l.y;
@@ -161,15 +163,15 @@ impl RayFrame<'_> {
         [u, v, 0.0, (vv - v * v).max(0.0).sqrt()]
     }
 
-    /// Tells whether anything stands between `place`, on `triangle`, and the light.
+    /// Tells if an object blocks the light between `place`, on `triangle`, and the light.
     fn in_shadow(&self, place: &SurfacePlace, triangle: &Triangle) -> bool {
         let ray = Ray { origin: place.position, direction: self.to_light(place.position) };
         let end = if self.incident.place.is_some() { 1.0 } else { f64::MAX };
         self.settings.shadows && self.scene.triangles.blocked(&ray, end, triangle)
     }
 
-    /// Returns the radiance of the surroundings in the mirrored direction as the pass draws them, where it is asked for; 0 where the direction leads into
-    /// the surface.
+    /// Returns the radiance of the surroundings in the mirrored direction as the geometry pass computes it, if
+    /// requested; 0 if the direction points into the surface.
     fn mirrored_radiance(
         &self,
         face: &Face<'_>,

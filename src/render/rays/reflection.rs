@@ -1,20 +1,23 @@
-//! Radiance of the surroundings in the mirrored direction, averaged over a pixel and over the spread of the specular order.
+//! Radiance of the surroundings in the mirrored direction, averaged over a pixel and over the spread of the specular
+//! order.
 
 use crate::scene::Environment;
 use glam::{DMat2, DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Directions of the mean. The radiance of surroundings is a picture of pixels, whose edges this many directions soften to about a hundredth.
+/// Directions of the mean. The radiance is a picture of pixels, whose edges this number of directions smooths to about
+/// 1 %.
 const COUNT: u32 = 256;
-/// Turn between one direction and the next: the golden angle, by which places on a disc are evenly apart (Vogel 1979).
+/// Angle between one direction and the next: the golden angle, which spreads points evenly over a disc (Vogel 1979).
 const GOLDEN: f64 = 0.381_966_011_250_105_1 * TAU;
 
-/// Gaussian of directions around a mirrored one, by the components in the tangent plane. There the specular order spreads evenly, whatever the angle.
+/// Gaussian distribution of directions around a mirrored one, in the components of the tangent plane. In these the
+/// specular order has the same spread at every angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reflection {
-    /// Columns T, B and N of the surface, N to the side of the direction.
+    /// Columns T, B and N of the surface, N on the side of the direction.
     pub frame: DMat3,
-    /// Mirrored direction, by T and B.
+    /// Components of the mirrored direction along T and B.
     pub middle: DVec2,
     /// Change of `middle` over one standard deviation of the pixel filter, to the right and downward.
     pub change: [DVec2; 2],
@@ -36,9 +39,9 @@ impl Reflection {
         sum / f64::from(COUNT)
     }
 
-    /// Returns direction number `i`. Beyond the horizon it is the nearest above.
+    /// Returns direction number `i`; beyond the horizon, the nearest one on it.
     fn toward(&self, root: [DVec2; 2], i: u32) -> DVec3 {
-        // Each ring of a Gaussian between two radii has as much weight as the next.
+        // Rings of equal weight of a Gaussian.
         let radius = (-2.0 * (1.0 - (f64::from(i) + 0.5) / f64::from(COUNT)).ln()).sqrt();
         let place = DVec2::from_angle(GOLDEN * f64::from(i)) * radius;
         let tangential = (self.middle + root[0] * place.x + root[1] * place.y).clamp_length_max(1.0);
@@ -52,7 +55,8 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// Mean of `radiance` over a reflection toward `middle`, with a pixel that changes it by 0.02 along T and 0.01 along B.
+    /// Returns the mean of `radiance` over a reflection toward `middle`, with a pixel that changes it by 0.02 along T
+    /// and 0.01 along B.
     fn mean(middle: DVec2, spread: f64, radiance: &dyn Fn(DVec3) -> Vec3) -> DVec3 {
         let change = [DVec2::X * 0.02, DVec2::Y * 0.01];
         Reflection { frame: DMat3::IDENTITY, middle, change, spread }.radiance(&Environment::of(radiance))
@@ -67,7 +71,7 @@ mod tests {
         };
         let found = mean(middle, 1e-3, &of_offset) - 1.0;
         let exact = DVec3::new(0.02f64.powi(2) + 1e-3, 0.01f64.powi(2) + 1e-3, 0.0);
-        // Of 256 directions, and pixels whose side has a variance of 1.3e-5.
+        // Error of 256 directions and of pixels whose side has a variance of 1.3e-5.
         assert!((found - exact).abs().max_element() < 6e-5, "{found} instead of {exact}");
     }
 

@@ -1,4 +1,4 @@
-//! Triangles of all objects, and which of them a ray meets.
+//! Triangles of all objects, and the intersection of rays with them.
 
 use crate::scene::Mesh;
 use bvh::aabb::{Aabb, Bounded, IntersectsAabb};
@@ -8,15 +8,16 @@ use glam::{DVec3, Vec3};
 use nalgebra::Point3;
 use std::cell::Cell;
 
-/// Relative error of places that are computed in f64, with room to spare. Boxes are wider by it, and a shadow ray meets nothing nearer.
+/// Relative error of positions computed in f64, with a margin. Boxes are enlarged by it, and shadow rays ignore hits
+/// nearer than it.
 const ROUNDING: f64 = 1e-9;
 
-/// Half line. Distances along it are in lengths of `direction`.
+/// Half line. Distances along it are in units of the length of `direction`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ray {
-    /// Where it starts.
+    /// Start.
     pub origin: DVec3,
-    /// Where to it leads, of any length.
+    /// Direction, of any length.
     pub direction: DVec3,
 }
 
@@ -29,23 +30,24 @@ pub(super) struct Triangle {
     pub number: usize,
     /// Positions of its corners.
     corners: [Vec3; 3],
-    /// Whether it blocks light.
+    /// True if it casts shadows.
     blocks_light: bool,
     /// Number of its leaf in the hierarchy.
     node: usize,
 }
 
-/// Crossing of a ray and the plane of a triangle.
+/// Intersection of a ray with the plane of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
     /// Distance along the ray; negative behind its origin.
     pub distance: f64,
-    /// Barycentric coordinates, all positive within the triangle. Their sum is 1.
+    /// Barycentric coordinates, all positive inside the triangle. Their sum is 1.
     pub weights: [f64; 3],
 }
 
 impl Crossing {
-    /// Tells a crossing on the triangle from one beside it. A ray along the edge of two triangles meets at least one.
+    /// Returns true if the intersection lies on the triangle. A ray through the shared edge of two triangles hits at
+    /// least one.
     fn is_inside(&self) -> bool {
         self.weights.iter().all(|weight| *weight >= -ROUNDING)
     }
@@ -56,13 +58,13 @@ impl Triangle {
         self.corners.map(|corner| corner.as_dvec3())
     }
 
-    /// Returns the normal of the plane, of no particular length.
+    /// Returns the normal of the plane, not normalised.
     pub fn normal(&self) -> DVec3 {
         let [a, b, c] = self.corners();
         (b - a).cross(c - a)
     }
 
-    /// Crosses the plane of the triangle (Möller and Trumbore 1997); `None` where the ray runs along it.
+    /// Intersects the plane of the triangle (Möller and Trumbore 1997); `None` if the ray is parallel to it.
     pub fn crossing(&self, ray: &Ray) -> Option<Crossing> {
         let [a, b, c] = self.corners();
         let (first, second, from) = (b - a, c - a, ray.origin - a);
@@ -95,7 +97,7 @@ impl BHShape<f64, 3> for Triangle {
     }
 }
 
-/// Part of a ray up to `end`, which comes nearer as triangles are met.
+/// Part of a ray up to `end`, which is reduced as triangles are hit.
 struct Reach {
     origin: DVec3,
     inverse: DVec3,
@@ -103,7 +105,7 @@ struct Reach {
 }
 
 impl IntersectsAabb<f64, 3> for Reach {
-    /// The slab test of Kay and Kajiya (1986).
+    /// Applies the slab test of Kay and Kajiya (1986).
     fn intersects_aabb(&self, aabb: &Aabb<f64, 3>) -> bool {
         let [low, high] = [aabb.min, aabb.max]
             .map(|corner| (DVec3::new(corner.x, corner.y, corner.z) - self.origin) * self.inverse);
@@ -113,16 +115,16 @@ impl IntersectsAabb<f64, 3> for Reach {
     }
 }
 
-/// Triangles in a hierarchy of boxes.
+/// Triangles in a bounding volume hierarchy.
 pub(super) struct Triangles {
     all: Vec<Triangle>,
     tree: Bvh<f64, 3>,
-    /// Largest coordinate of any.
+    /// Largest absolute coordinate of a corner.
     extent: f64,
 }
 
 impl Triangles {
-    /// Those of `objects`, meshes and whether they block light.
+    /// Builds the hierarchy of `objects`, each a mesh and true if it casts shadows.
     pub fn new<'a>(objects: impl Iterator<Item = (&'a Mesh, bool)>) -> Self {
         let mut all = Vec::new();
         for (object, (mesh, blocks_light)) in objects.enumerate() {
@@ -138,7 +140,7 @@ impl Triangles {
         Self { all, tree, extent: extent.into() }
     }
 
-    /// Finds the triangle that `ray` meets first.
+    /// Finds the first triangle that `ray` hits.
     pub fn nearest(&self, ray: &Ray) -> Option<(&Triangle, Crossing)> {
         let reach = Reach { origin: ray.origin, inverse: ray.direction.recip(), end: Cell::new(f64::MAX) };
         let mut nearest = None;
@@ -152,7 +154,8 @@ impl Triangles {
         nearest
     }
 
-    /// Tells whether anything but the triangle `from`, on which `ray` starts, blocks light between its origin and the distance `end`.
+    /// Returns true if a triangle other than `from`, on which `ray` starts, blocks light between the origin and the
+    /// distance `end`.
     pub fn blocked(&self, ray: &Ray, end: f64, from: &Triangle) -> bool {
         let least = ROUNDING * self.extent / ray.direction.length();
         let reach = Reach { origin: ray.origin, inverse: ray.direction.recip(), end: Cell::new(end) };

@@ -1,4 +1,4 @@
-//! A source on the device: descriptor set 1 and the code that reads it.
+//! Source on the device: descriptor set 1 and the shaders that read it.
 
 use super::part::Iterations;
 use crate::error::Result;
@@ -13,7 +13,7 @@ use crate::vk::sampler::Sampler;
 use ash::vk;
 use std::sync::Arc;
 
-/// The stages that are compiled for one source.
+/// Shader stages of one source.
 #[derive(Clone, Copy)]
 pub(super) struct Stages {
     pub shade: Code<'static>,
@@ -21,27 +21,27 @@ pub(super) struct Stages {
     pub probe: Code<'static>,
 }
 
-/// Descriptor set 1, what it points to, and the code that reads it.
+/// Descriptor set 1, its images and buffers, and the shaders that read them.
 pub struct BoundSource {
-    /// The set that pipelines bind.
+    /// Descriptor set of the pipelines.
     pub descriptors: Descriptors,
-    /// Whether shading asks which pixels are covered, beyond the depth test: a sum over wavelengths may go on for any time on the lanes of a
-    /// pixel beside the mesh, and averages look at neighbours.
+    /// True if shading tests which pixels are covered, beyond the depth test: a long sum over wavelengths must not run
+    /// on the helper lanes of uncovered pixels, and averages read the neighbours.
     pub asks_what_is_covered: bool,
-    /// Whether shading averages over what a pixel covers.
+    /// True if shading averages over the footprint of a pixel.
     pub reads_footprints: bool,
-    /// Variance of (u, v) over which coherence spreads the specular order in the middle of the spectrum, where the source knows that order
-    /// apart from the others.
+    /// Variance of (u, v) of the specular order due to coherence, at the middle of the spectrum, if the source provides
+    /// that order separately.
     pub specular_spread: Option<f32>,
-    /// Whether it answers single wavelengths.
+    /// True if single wavelengths can be evaluated.
     pub spectral: bool,
-    /// What its sum over wavelengths takes.
+    /// Loop iterations of the sum over wavelengths.
     pub iterations: Iterations,
-    // R₀ of what the surface keeps from the pigment, where the source holds R.
+    // R₀ that attenuates the pigment, if the source already contains R.
     normal_of_pigment: Option<f32>,
     stages: Stages,
     constants: Vec<Constant>,
-    // Held for the descriptor set; fields go in order, so it goes first.
+    // Held for the descriptor set. Fields are dropped in order, so the set is dropped first.
     data: Vec<Image>,
     tables: Vec<Image>,
     buffers: Vec<Buffer>,
@@ -52,7 +52,7 @@ pub struct BoundSource {
 pub(super) use vk::DescriptorType as Kind;
 
 impl BoundSource {
-    /// A source whose set has bindings of these `kinds`, numbered from 0, of a surface that reflects by `reflectance`.
+    /// Makes a source with bindings of these `kinds`, numbered from 0, of a surface with this `reflectance`.
     pub(super) fn new(
         device: &Arc<Device>,
         name: &str,
@@ -81,14 +81,19 @@ impl BoundSource {
         })
     }
 
-    /// Points binding `number` at an image of the data, which stays as long as the source.
+    /// States that the source holds R by `reflectance`, whichever the law.
+    pub(super) fn holds(&mut self, reflectance: &Reflectance) {
+        self.normal_of_pigment = Some(reflectance.normal_of_pigment() as f32);
+    }
+
+    /// Points binding `number` at an image of the data, which lives as long as the source.
     pub(super) fn data(&mut self, number: u32, image: Image, sampler: Sampler) {
         self.descriptors.image(number, &image, &sampler);
         self.data.push(image);
         self.samplers.push(sampler);
     }
 
-    /// Puts `tables` and `buffers` in the place of those that depend on the shading, each with its binding number.
+    /// Replaces the tables and buffers that depend on the shading, each given with its binding number.
     pub(super) fn replace(
         &mut self,
         device: &Arc<Device>,
@@ -109,8 +114,8 @@ impl BoundSource {
         Ok(())
     }
 
-    /// The shading stage of what the geometry pass finds by its `settings` under a light that is drawn from surroundings whose specular order is
-    /// `mirrored`, or under another.
+    /// Returns the constants of the shading stage for the output of a geometry pass with these `settings`. `mirrored`:
+    /// the light is the surroundings, whose specular order is reflected.
     pub(in crate::render) fn shade_constants(
         &self,
         settings: GeometrySettings,
@@ -132,38 +137,39 @@ impl BoundSource {
         [own.as_slice(), &self.constants].concat()
     }
 
-    /// Parts of the sum of a pixel under one light, where surroundings are among the lights or not.
+    /// Returns the number of parts of a pixel's sum under one light. `surrounded`: the specular order of surroundings
+    /// needs a second direction of light.
     pub(in crate::render) fn parts(&self, surrounded: bool) -> u32 {
         self.iterations.parts_of_pixel(1 + usize::from(surrounded))
     }
 
-    /// Loop iterations of the sum of such a pixel, at most.
+    /// Returns the largest number of loop iterations of that sum.
     pub(in crate::render) fn iterations_of_pixel(&self, surrounded: bool) -> usize {
         self.iterations.of_pixel(1 + usize::from(surrounded))
     }
 
-    /// Constants of the source alone.
+    /// Returns the constants of the source alone.
     pub(in crate::render) fn constants(&self) -> &[Constant] {
         &self.constants
     }
 
-    /// The shading stage.
+    /// Returns the shading stage.
     pub(in crate::render) fn shade(&self) -> Code<'static> {
         self.stages.shade
     }
 
-    /// The evaluation stage.
+    /// Returns the evaluation stage.
     pub(in crate::render) fn eval(&self) -> Code<'static> {
         self.stages.eval
     }
 
-    /// The stage that reads as fast as the device can.
+    /// Returns the stage that measures the texture read rate.
     pub(in crate::render) fn probe(&self) -> Code<'static> {
         self.stages.probe
     }
 }
 
-/// A small uniform block.
+/// Makes a small uniform buffer of `block`.
 pub(super) fn uniform(device: &Arc<Device>, name: &str, block: &impl bytemuck::Pod) -> Result<Buffer> {
     Buffer::with_data(device, name, vk::BufferUsageFlags::UNIFORM_BUFFER, bytemuck::bytes_of(block))
 }

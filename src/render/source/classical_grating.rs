@@ -1,4 +1,4 @@
-//! The classical shader of a grating of one period, to compare with. Its twin is `shaders/source_classical_grating.glsl`.
+//! Classical shader of a grating of one period, as a baseline. Its twin is `shaders/source_classical_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::{SourceSummary, reflectance, stages};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// A grating of one period. It has no data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClassicalGrating {
-    /// Along which the heights repeat: a unit vector in the tangent plane.
+    /// Direction of the period: a unit vector in the tangent plane.
     pub axis: [f64; 2],
     /// The period \[µm\].
     pub period: f64,

@@ -1,4 +1,4 @@
-//! What a frame does, counted in f64 over the directions that it shades.
+//! Work of a frame, counted in f64 over the directions that it shades.
 
 use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
@@ -12,30 +12,30 @@ pub struct Cost {
     pub covered: usize,
     /// Wavelengths summed, over all pixels and lights.
     pub wavelengths: usize,
-    /// Texture samples, over all pixels and lights: of the hardware, or interpolated along a line.
+    /// Texture samples, over all pixels and lights: hardware samples, or interpolated ones along a line.
     pub samples: usize,
 }
 
-/// What a pixel is shaded for where a light reaches it.
+/// Pixel and light to shade.
 pub(super) struct LitPixel {
-    /// Its directions.
+    /// Directions.
     pub pair: Pair,
-    /// What shading averages over.
+    /// Covariance that shading averages over.
     pub around: Covariance,
 }
 
 impl Cost {
-    /// Samples per covered pixel.
+    /// Returns the samples per covered pixel.
     pub fn samples_per_pixel(&self) -> f64 {
         self.samples as f64 / self.covered.max(1) as f64
     }
 
-    /// Wavelengths per covered pixel.
+    /// Returns the wavelengths per covered pixel.
     pub fn wavelengths_per_pixel(&self) -> f64 {
         self.wavelengths as f64 / self.covered.max(1) as f64
     }
 
-    /// Counts what `of_pixel` says of each light that reaches a pixel: wavelengths and samples.
+    /// Sums the wavelengths and samples that `of_pixel` returns for each light that reaches a pixel.
     pub(super) fn counted(directions: &[Directions], of_pixel: impl Fn(&LitPixel) -> (usize, usize)) -> Self {
         let mut cost = Self::default();
         for (index, seen) in directions.iter().enumerate() {

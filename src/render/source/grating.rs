@@ -1,4 +1,4 @@
-//! A finite grating: n × m copies of the patch. Spectra of one copy, times the periodic factors. Its twin is
+//! Finite grating of n × m copies of the patch: spectra of one copy times the periodic factors. Its twin is
 //! `shaders/source_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
@@ -17,16 +17,16 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// One period of a surface, and how often it repeats.
+/// One period of a surface and its number of copies.
 #[derive(Clone, Debug)]
 pub struct Grating {
     /// Spectra of one period.
     pub layers: Arc<Layers>,
-    /// The copies.
+    /// Number of copies and their period.
     pub repeats: Repeats,
 }
 
-/// Binding number of set 1 behind those of [`spectra::binding`].
+/// Binding number of set 1, after those of [`spectra::binding`].
 const COPIES: u32 = 4;
 
 /// The `Grating` block of the source (std140).
@@ -37,7 +37,7 @@ pub struct CopiesBlock {
     pub count: [f32; 2],
     /// T_x, T_y \[µm\].
     pub period: [f32; 2],
-    /// Lag beyond which the colour functions have little \[µm\].
+    /// Lag beyond which the colour functions are negligible \[µm\].
     pub colour_lag: f32,
     /// Relative error of the sum over wavelengths.
     pub tolerance: f32,
@@ -46,7 +46,7 @@ pub struct CopiesBlock {
 }
 
 impl CopiesBlock {
-    /// The block of `repeats` for colours of `shading`.
+    /// Makes the block of `repeats` for these colour functions.
     pub fn new(repeats: &Repeats, colours: &ColourFunctions, tolerance: f64) -> Self {
         Self {
             count: repeats.copies.map(|n| n as f32),
@@ -84,7 +84,7 @@ impl Grating {
         bound.replace(device, tables, buffers)
     }
 
-    /// The colour functions of `shading`.
+    /// Returns the colour functions of `shading`.
     fn colours(&self, shading: &Shading) -> ColourFunctions {
         ColourFunctions::new(&shading.illuminant, shading.budget().window.wavelengths)
     }

@@ -1,8 +1,9 @@
-//! What a pixel is shaded from.
+//! Data sources that pixels are shaded from.
 //!
-//! A source is one file here and one in `shaders/` (`source_NAME.glsl`): between them they have its bindings in descriptor set 1, its
-//! specialisation constants, its cost and what it refuses. `shaders/shade.frag` and `shaders/eval.comp` are compiled once for each.
-//! To add a source, add the two files and a row of [`Source`].
+//! A source is one file here and one in `shaders/` (`source_NAME.glsl`). Together they define its bindings in
+//! descriptor set 1, its specialisation constants, its cost and its limits. `shaders/shade.frag` and
+//! `shaders/eval.comp` are compiled once for each source. To add a source, add the two files and a variant of
+//! [`Source`].
 
 mod bound;
 pub mod classical_grating;
@@ -31,57 +32,57 @@ use crate::vk::device::Device;
 use cost::Cost;
 use std::sync::Arc;
 
-/// What a pixel is shaded from: data on the host, cheap to clone.
+/// Data that a pixel is shaded from, on the host; cheap to clone.
 #[derive(Clone)]
 pub enum Source {
     /// Spectra through one Gaussian window, summed over wavelengths.
     Window(Window),
     /// Spectra of one period, repeated n × m times.
     Grating(Grating),
-    /// Colours over (u, v, w), read.
+    /// Colour table over (u, v, w).
     Table(Table),
-    /// Baseline: the thesis' own sum.
+    /// Baseline: the sum of the thesis.
     Thesis(Thesis),
     /// Baseline: the classical shader of a grating of one period.
     ClassicalGrating(ClassicalGrating),
 }
 
-/// The texture that holds a source's data.
+/// Size of the texture with a source's data.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
     /// Array layers.
     pub layers: usize,
     /// Texels along its sides.
     pub size: [usize; 2],
-    /// Bytes in all.
+    /// Total bytes.
     pub bytes: u64,
 }
 
-/// A source in the words of reports.
+/// Description of a source for reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceSummary {
-    /// `--method` of it.
+    /// Its value of `--method`.
     pub method: &'static str,
-    /// The expansion, where there is one.
+    /// Expansion, if there is one.
     pub basis: Option<Basis>,
     /// Terms of the expansion.
     pub terms: usize,
-    /// Layers that one wavelength or one direction reads.
+    /// Layers read per wavelength or direction.
     pub layers: usize,
-    /// How it is read between texels.
+    /// Interpolation between texels.
     pub kernel: String,
 }
 
 impl Source {
-    /// Spectra through a window.
+    /// Returns the source of spectra through a window.
     pub fn window(layers: impl Into<Arc<Layers>>) -> Self {
         Self::Window(Window { layers: layers.into() })
     }
 
-    /// Uploads the data and the tables that `shading` asks for, as set 1.
+    /// Uploads the data and the tables for `shading` as set 1.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
         match self {
             Self::Window(source) => source.bind(device, shading),
@@ -92,11 +93,11 @@ impl Source {
         }
     }
 
-    /// Shades by `shading` from now on: `bound` holds the data of this source already, and only what is small is uploaded. The device must
-    /// not be using it.
+    /// Changes the shading to `shading`. `bound` holds the data of this source already, so only small tables are
+    /// uploaded. The device must not be using it.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn rebind(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         match self {
             Self::Window(source) => source.set(device, bound, shading),
@@ -107,7 +108,8 @@ impl Source {
         }
     }
 
-    /// Whether both have the very same data, however they are shaded, so that [`Source::rebind`] goes from one to the other.
+    /// Returns true if both have the identical data, whatever the shading, so that [`Source::rebind`] can switch from
+    /// one to the other.
     pub fn shares_data_with(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Window(a), Self::Window(b)) => Arc::ptr_eq(&a.layers, &b.layers),
@@ -117,7 +119,7 @@ impl Source {
         }
     }
 
-    /// The texture that holds its data; nothing for a source without any.
+    /// Returns the size of the texture with its data; zero for a source without data.
     pub fn extent(&self) -> Extent {
         match self {
             Self::Window(Window { layers })
@@ -128,7 +130,7 @@ impl Source {
         }
     }
 
-    /// Terms of the expansion, where one is summed.
+    /// Returns the terms of the expansion, if one is summed.
     pub fn terms(&self) -> Option<usize> {
         match self {
             Self::Window(Window { layers })
@@ -138,7 +140,7 @@ impl Source {
         }
     }
 
-    /// What reports say of it, drawn under `shading`.
+    /// Returns the description for reports under `shading`.
     pub fn summary(&self, shading: &Shading) -> SourceSummary {
         match self {
             Self::Window(source) => source.summary(shading),
@@ -149,7 +151,7 @@ impl Source {
         }
     }
 
-    /// What a frame does that shades `directions` (one entry per light) under `shading`.
+    /// Returns the work of a frame that shades `directions` (one entry per light) under `shading`.
     pub fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
         match self {
             Self::Window(source) => source.cost(shading, directions),
@@ -160,7 +162,7 @@ impl Source {
         }
     }
 
-    /// Whether some directions can be refused, so that [`Source::check`] needs those of a picture.
+    /// Returns true if some directions exceed the limits of the source, so that a picture needs [`Source::check`].
     pub fn has_limits(&self, shading: &Shading) -> bool {
         match self {
             Self::Grating(source) => source.has_limits(shading),
@@ -168,10 +170,10 @@ impl Source {
         }
     }
 
-    /// Fails where a picture of `directions` (one entry per light) takes more than the source can do.
+    /// Checks that a picture of `directions` (one entry per light) is within the limits of the source.
     ///
     /// # Errors
-    /// With the numbers and what to do.
+    /// Fails with the numbers and a remedy.
     pub fn check(&self, shading: &Shading, directions: &[Directions]) -> Result<()> {
         match self {
             Self::Grating(source) => source.check(shading, directions),
@@ -186,7 +188,7 @@ impl From<&Source> for Source {
     }
 }
 
-/// The three stages that are compiled for the source of this name.
+/// Returns the three stages compiled for the source of this name.
 macro_rules! stages {
     ($name:literal) => {
         $crate::render::source::bound::Stages {

@@ -1,36 +1,36 @@
-//! Sums over wavelengths in parts. Mesa's software devices end the loops of an invocation after 65 535 iterations in all, without a word, and
-//! what they summed is lost. Its twin is `shaders/part.glsl`.
+//! Splitting of sums over wavelengths. Mesa's software devices silently end the loops of an invocation after 65 535
+//! iterations in all, and the sum is lost. Its twin is `shaders/part.glsl`.
 
 use bytemuck::{Pod, Zeroable};
 
-/// Loop iterations of an invocation, at most: half of what such devices do, so that a part of the smallest tile takes some 50 ms at most and
-/// a window answers in between.
+/// Largest number of loop iterations per invocation: half the limit of these devices, so that a part of the smallest
+/// tile takes about 50 ms at most and a window stays responsive.
 const MOST_ITERATIONS: usize = 30_000;
 
-/// Loop iterations of a sum over wavelengths, at most.
+/// Upper bound of the loop iterations of a sum over wavelengths.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Iterations {
-    /// For one direction of light.
+    /// Iterations for one direction of light.
     pub of_pair: usize,
 }
 
 impl Iterations {
-    /// Returns those of `wavelengths`, each of which takes `each` iterations beside its own.
+    /// Counts the iterations of `wavelengths`, each with an inner loop of `each` iterations.
     pub fn new(wavelengths: usize, each: usize) -> Self {
         Self { of_pair: wavelengths * (1 + each) }
     }
 
-    /// Parts of the sum of a pair of directions.
+    /// Returns the number of parts of the sum of a pair of directions.
     pub fn parts_of_pair(&self) -> u32 {
         parts(self.of_pair)
     }
 
-    /// Parts of the sums of a pixel for so many directions of light.
+    /// Returns the number of parts of the sums of a pixel for `lights` directions of light.
     pub fn parts_of_pixel(&self, lights: usize) -> u32 {
         parts(self.of_pixel(lights))
     }
 
-    /// Iterations of a pixel for so many directions of light, at most.
+    /// Returns the largest number of iterations of a pixel for `lights` directions of light.
     pub fn of_pixel(&self, lights: usize) -> usize {
         self.of_pair * lights
     }
@@ -40,18 +40,18 @@ fn parts(iterations: usize) -> u32 {
     iterations.div_ceil(MOST_ITERATIONS).max(1) as u32
 }
 
-/// The wavelengths that an invocation adds: every `step`th from `first`.
+/// Wavelengths that an invocation sums: every `step`th from `first`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Part {
-    /// Number of the first.
+    /// Number of the first wavelength.
     pub first: u32,
-    /// From one to the next.
+    /// Increment of the number.
     pub step: u32,
 }
 
 impl Part {
-    /// All `parts` of a sum.
+    /// Iterates over all `parts` of a sum.
     pub fn each(parts: u32) -> impl Iterator<Item = Self> {
         (0..parts).map(move |first| Self { first, step: parts })
     }

@@ -1,5 +1,5 @@
-//! The law by which the surface reflects, and the reflectances of a law that depends on the wavelength. Its twins are `shaders/brdf.glsl` and
-//! `shaders/reflectance.glsl`.
+//! Reflectance law of the surface, and the table of a reflectance that depends on the wavelength. Its twins are
+//! `shaders/brdf.glsl` and `shaders/reflectance.glsl`.
 
 use crate::error::Result;
 use crate::optics::reflectance::{COLUMNS, ROWS, Reflectance};
@@ -31,7 +31,12 @@ pub(super) fn constant(shading: &Shading) -> Constant {
     if shading.reflectance.is_spectral() { Law::Spectral.constant() } else { without_spectrum(shading) }
 }
 
-/// Returns the same for a source that knows no law inside of sums over wavelengths.
+/// Returns the specialisation constant for a source that holds R, whichever the law.
+pub(super) fn held() -> Constant {
+    Law::Spectral.constant()
+}
+
+/// Returns the constant for a source that does not apply a spectral law inside sums over wavelengths.
 pub(super) fn without_spectrum(shading: &Shading) -> Constant {
     match shading.reflectance {
         Reflectance::Schlick(_) => Law::Schlick.constant(),
@@ -39,7 +44,7 @@ pub(super) fn without_spectrum(shading: &Shading) -> Constant {
     }
 }
 
-/// R of `shading`, or a single 1 where the factor of a pair holds it.
+/// Makes the texture of R of `shading`; a single 1 if R does not depend on the wavelength and is applied per pair.
 pub(super) fn texture(device: &Arc<Device>, shading: &Shading) -> Result<Image> {
     let reflectance = &shading.reflectance;
     let (size, values) = match reflectance.is_spectral() {

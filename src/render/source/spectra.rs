@@ -1,4 +1,5 @@
-//! What the sources of a window and of a grating share: spectra of an expansion's terms. Its twin is `shaders/spectra.glsl`.
+//! Spectra of an expansion's terms, shared by the sources of a window and of a grating. Its twin is
+//! `shaders/spectra.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::{Extent, reflectance};
@@ -29,7 +30,7 @@ pub(super) mod binding {
     pub const NODES: u32 = 3;
 }
 
-/// Binding number of what the surface reflects, behind that of each source's own.
+/// Binding number of the reflectances, after those of each source.
 const REFLECTANCES: u32 = 5;
 
 /// Kinds of the bindings, in order.
@@ -46,7 +47,7 @@ pub(super) const KINDS: [Kind; 4] = [
 pub struct SpectraBlock {
     /// Texels of a layer.
     pub texture_size: [f32; 2],
-    /// Centre of the texel of f = 0.
+    /// Centre of the texel at frequency 0.
     pub origin: [f32; 2],
     /// L_x, L_y \[µm\].
     pub texels_per_frequency: [f32; 2],
@@ -56,9 +57,9 @@ pub struct SpectraBlock {
     pub sigma: f32,
     /// Refractive index, unless R depends on the wavelength.
     pub index: f32,
-    /// Texture coordinate of the coefficients at k|w| = 0, and per unit of it \[µm\].
+    /// Texture coordinate of the coefficients at k|w| = 0, and its change per unit of k|w| \[µm\].
     pub column: [f32; 2],
-    /// Pairs of terms that k|w| needs: ⌈`pairs_per_z`·k|w| + `fewest_pairs`⌉.
+    /// Pairs of terms needed at k|w|: ⌈`pairs_per_z`·k|w| + `fewest_pairs`⌉.
     pub pairs_per_z: f32,
     /// See `pairs_per_z`.
     pub fewest_pairs: f32,
@@ -68,7 +69,7 @@ pub struct SpectraBlock {
     pub padding: f32,
 }
 
-/// The `Spectra` block of `layers` that are seen as through a Gaussian of standard deviation `sigma` \[µm\].
+/// Makes the `Spectra` block of `layers` seen through a Gaussian window of standard deviation `sigma` \[µm\].
 pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> SpectraBlock {
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     let columns = layers.coefficients.columns as f64;
@@ -77,7 +78,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> 
         origin: layers.origin.map(|n| n as f32 + 0.5),
         texels_per_frequency: pair(layers.length),
         band: pair(layers.band),
-        // The shaders square what they read, and multiply by σ².
+        // The shaders square the texel values and multiply by σ².
         sigma: sigma as f32 * layers.texels.unit(),
         index: reflectance.index().unwrap_or_default() as f32,
         column: pair([0.5 / columns, (columns - 1.0) / columns / layers.z_max]),
@@ -88,7 +89,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> 
     }
 }
 
-/// Specialisation constants of `shaders/spectra.glsl`.
+/// Returns the specialisation constants of `shaders/spectra.glsl`.
 pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
     const HALF_PLANE: u32 = 12;
     const PAIRS: u32 = 13;
@@ -105,7 +106,7 @@ pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
     constants
 }
 
-/// Specialisation constants of `shaders/kernel.glsl`.
+/// Returns the specialisation constants of `shaders/kernel.glsl`.
 pub(super) fn kernel_constants(interpolation: &Interpolation) -> Vec<Constant> {
     const CUBIC_X: u32 = 40;
     const CUBIC_Y: u32 = 41;
@@ -134,7 +135,7 @@ pub(super) fn upload(device: &Arc<Device>, bound: &mut BoundSource, layers: &Lay
 /// Images and buffers, each with its binding number.
 type Bound = (Vec<(u32, Image)>, Vec<(u32, Buffer)>);
 
-/// The block, the nodes and what the surface reflects, with their binding numbers.
+/// Makes the block, the nodes and the reflectances, with their binding numbers.
 pub(super) fn settings(
     device: &Arc<Device>,
     (layers, sigma): (&Layers, f64),
@@ -148,12 +149,12 @@ pub(super) fn settings(
     Ok((tables, vec![(binding::BLOCK, block)]))
 }
 
-/// A table as a texture.
+/// Makes a texture of a table.
 pub(super) fn numbers(device: &Arc<Device>, name: &str, table: &TableTexture) -> Result<Image> {
     upload::texture(device, name, FLOATS, table.size, None, bytemuck::cast_slice(&table.values))
 }
 
-/// A linear sampler that ends at the edge.
+/// Makes a linear sampler that clamps to the edge.
 pub(super) fn edge(device: &Arc<Device>) -> Result<Sampler> {
     Sampler::linear(device, "spectra sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)
 }
@@ -161,17 +162,18 @@ pub(super) fn edge(device: &Arc<Device>) -> Result<Sampler> {
 /// Four 32-bit floats.
 const FLOATS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// The format of `texels`.
+/// Returns the texture format of `texels`.
 pub(super) fn format(texels: &Texels) -> vk::Format {
     if texels.is_half() { vk::Format::R16G16B16A16_SFLOAT } else { FLOATS }
 }
 
-/// The texture of `layers`.
+/// Returns the size of the texture of `layers`.
 pub(super) fn extent(layers: &Layers) -> Extent {
     Extent { layers: layers.pairs(), size: layers.size, bytes: layers.bytes() as u64 }
 }
 
-/// Wavelengths and samples of `pair` over `wavenumbers`, which grow, at `per_read` samples a pair of terms.
+/// Counts the wavelengths and samples of `pair` over the ascending `wavenumbers`, at `per_read` samples per pair of
+/// terms.
 pub(super) fn counted(
     layers: &Layers,
     pair: &Pair,
@@ -185,7 +187,7 @@ pub(super) fn counted(
     })
 }
 
-/// The wavenumber at which `pair` leaves the band \[µm⁻¹\].
+/// Returns the wavenumber at which `pair` leaves the band \[µm⁻¹\].
 pub(super) fn largest_wavenumber(layers: &Layers, pair: &Pair) -> f64 {
     let along = pair.uvw().truncate().abs();
     (layers.band[0] / along.x.max(1e-9)).min(layers.band[1] / along.y.max(1e-9))

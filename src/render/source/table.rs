@@ -1,5 +1,5 @@
-//! A colour table: the spectrum is summed beforehand, and a direction reads the sum. Its twin is `shaders/source_table.glsl`; on the CPU it is
-//! [`crate::table::TableReader`].
+//! Colour table: the sum over the spectrum is precomputed, and shading reads it. Its twin is
+//! `shaders/source_table.glsl`; its CPU version is [`crate::table::TableReader`].
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
@@ -8,14 +8,13 @@ use crate::error::Result;
 use crate::render::directions::Directions;
 use crate::render::shading::Shading;
 use crate::render::upload;
-use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableHeader, TableReader};
+use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use crate::vk::pipeline::Constant;
 use crate::vk::sampler::Sampler;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
 use std::sync::Arc;
 
 /// A colour table.
@@ -48,13 +47,13 @@ pub struct TableBlock {
     pub index: f32,
     /// Texture coordinate per unit of u.
     pub texture_per_uv: f32,
-    /// Variance of u that coherence averages over.
+    /// Variance of u due to coherence.
     pub coherence: f32,
-    /// What a stored 1 stands for \[sr⁻¹\].
+    /// BRDF value of a stored 1 \[sr⁻¹\].
     pub unit: f32,
-    /// Variance of u that the finest level averages over.
+    /// Variance of u of the finest level.
     pub finest: f32,
-    /// 1 over the variance by which levels grow.
+    /// Reciprocal of the variance added per level.
     pub per_growth: f32,
     /// Pieces of the range of |w|.
     pub pieces: f32,
@@ -66,12 +65,18 @@ pub struct TableBlock {
 
 impl Table {
     pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
-        /// Texels that a direction reads at each place.
+        /// Texels read per direction and tap.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
-        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), reflectance::constant(shading)];
+        // Tables of exports hold R by every law.
+        let holds_reflectance = self.table.header.mean_reflectance.is_some();
+        let law = if holds_reflectance { reflectance::held() } else { reflectance::constant(shading) };
+        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), law];
         let of = &shading.reflectance;
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
+        if holds_reflectance {
+            bound.holds(of);
+        }
         bound.spectral = false;
         bound.reads_footprints = true;
         let header = &self.table.header;
@@ -90,7 +95,7 @@ impl Table {
         let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
         upload::levels(device, &image, layers, &levels)?;
         bound.data(binding::COLOURS, image, Sampler::levels_that_end(device, "colour table sampler")?);
-        let weights = specular_rows(header);
+        let weights = header.specular_rows();
         let format = vk::Format::R32G32B32A32_SFLOAT;
         let size = [SPECULAR_SAMPLES, BANDS + 2];
         let image =
@@ -105,7 +110,7 @@ impl Table {
         Ok(bound)
     }
 
-    /// Of a table only the reflectance depends on more than the table.
+    /// Uploads the block; the reflectance is the only part that depends on more than the table.
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
         let header = &self.table.header;
         let grid = &header.grid;
@@ -143,26 +148,10 @@ impl Table {
         }
     }
 
-    /// Samples along the footprints of `directions`.
+    /// Counts the samples along the footprints of `directions`.
     pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
         let reader = TableReader::new(&self.table);
         let texels = self.table.header.basis.texels();
         Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.around).1.count()))
     }
-}
-
-/// The weights of each band over |w|, those of all bands together, and the mean R of a material over twice the cosine of the half angle.
-fn specular_rows(header: &TableHeader) -> Vec<[f32; 4]> {
-    let specular = &header.specular;
-    let mean = (0..SPECULAR_SAMPLES).map(|sample| {
-        let cosine = sample as f64 / (SPECULAR_SAMPLES - 1) as f64;
-        let mean = header.mean_reflectance.as_ref().map_or(1.0, |mean| mean.at(cosine) as f32);
-        [mean; 3]
-    });
-    let bands = specular.weights.iter().flatten().copied();
-    let all = (0..SPECULAR_SAMPLES).map(|sample| {
-        let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
-        sum.to_array()
-    });
-    bands.chain(all).chain(mean).map(|[x, y, z]| [x, y, z, 0.0]).collect()
 }

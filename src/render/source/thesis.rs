@@ -1,4 +1,4 @@
-//! The thesis' own sum over 3 × 3 bins of a Fourier series, to compare with. Its twin is `shaders/source_thesis.glsl`.
+//! Sum over 3 × 3 bins of a Fourier series, as in the thesis, as a baseline. Its twin is `shaders/source_thesis.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
@@ -18,10 +18,10 @@ use crate::vk::pipeline::Constant;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-/// What [`crate::spectra::amplitude::thesis`] makes.
+/// Result of [`crate::spectra::amplitude::thesis`].
 #[derive(Clone, Debug)]
 pub struct Thesis {
-    /// The Fourier series of the powers of the height.
+    /// Fourier series of the powers of the height.
     pub layers: Arc<Layers>,
     /// Half the range of heights \[µm\].
     pub half_range: f64,

@@ -21,7 +21,7 @@ pub struct Window {
     pub layers: Arc<Layers>,
 }
 
-/// Binding number of set 1 behind those of [`spectra::binding`].
+/// Binding number of set 1, after those of [`spectra::binding`].
 const BINS: u32 = 4;
 
 impl Window {

@@ -1,4 +1,4 @@
-//! The judge of the layers: terms against the transform of e^{izh} itself, where directions can see it.
+//! Audit of the layers: the expansion's terms against the transform of e^{izh} itself, within the directions above the horizon.
 
 use super::texels::Texels;
 use super::transform::{PaddedAxis, TermPair, TermSpectrum, Transformer};
@@ -7,40 +7,39 @@ use crate::spectra::amplitude::expansion::Expansion;
 use rustfft::num_complex::{Complex32, Complex64};
 use std::f64::consts::PI;
 
-/// Intensity relative to the mirror peak below which errors are not judged: a 65 µm window's mirror peak at normal
-/// incidence is 439 sr⁻¹ at 550 nm, and 4.4e-5 sr⁻¹ under a light of irradiance π is below what a display shows as black
-/// at exposure 0.
+/// Intensity relative to the specular peak below which errors are not judged: a 65 µm window's specular peak at normal incidence is 439
+/// sr⁻¹ at 550 nm, and 4.4e-5 sr⁻¹ under a light of irradiance π is below the display's black at exposure 0.
 pub const FAINT: f64 = 1e-7;
 
-/// What [`FAINT`] is at a part `share` of the largest k|w|: the BRDF divides by w².
+/// Returns [`FAINT`] at a part `share` of the largest k|w|: the BRDF divides by w².
 fn faint(share: f64) -> f64 {
     FAINT * share * share
 }
 
-/// What one audited plane of k|w| needs.
+/// Number of terms for one audited plane of k|w|.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneTerms {
     /// k|w| \[rad/µm\].
     pub z: f64,
-    /// Terms that keep the error there.
+    /// Terms that keep the error on this plane.
     pub terms: usize,
 }
 
-/// Number of audited k|w|.
+/// Number of audited planes of k|w|.
 pub const PLANES: usize = 9;
 
-/// The audited k|w|, as parts of the largest, growing: from grazing directions, where only scattering is left, to the
-/// specular direction at the shortest wavelength.
+/// Audited k|w| as parts of the largest, increasing: from grazing directions, with scattered light only, to the specular direction at the
+/// shortest wavelength.
 const PLACES: [f64; PLANES] = [0.02, 0.08, 0.24, 0.33, 0.49, 0.66, 0.74, 0.87, 0.995];
 
-/// The layers' judge: at a few z, texels that directions can reach, with the transform of e^{izh} there.
+/// Audit: a few planes of z with the transform of e^{izh} at some texels within the visible directions.
 pub(super) struct Audit {
     pub planes: [Plane; PLANES],
 }
 
 pub(super) struct Plane {
     pub z: f64,
-    /// Intensity below which it is not judged.
+    /// Intensity below which a texel is not judged.
     faint: f64,
     /// Kept column and row of each judged texel.
     texels: Vec<[usize; 2]>,
@@ -50,10 +49,9 @@ pub(super) struct Plane {
 }
 
 impl Audit {
-    /// Texels per plane that are spread evenly: the RMS of as many exponentially distributed values is good to a few per
-    /// cent.
+    /// Evenly spread texels per plane: the RMS of this many exponentially distributed values is accurate to a few per cent.
     const SPREAD: usize = 2000;
-    /// The brightest texels per plane, judged beside them: a grating's orders are few, and all that one sees.
+    /// Brightest texels per plane, judged in addition: a grating has few orders, and they are all that is visible.
     const BRIGHTEST: usize = 500;
 
     pub fn new(
@@ -81,7 +79,7 @@ impl Audit {
             .map_err(|_| Error::failed("the audit lost a plane", "report this as a bug of diffract"))
     }
 
-    /// Takes a pair of terms in: by kept column and row.
+    /// Adds a pair of terms, given on kept columns and rows.
     pub fn add(&mut self, pair: &TermPair) {
         for plane in &mut self.planes {
             let stored = |v: Complex64| Complex32::new(v.re as f32, v.im as f32);
@@ -91,12 +89,12 @@ impl Audit {
         }
     }
 
-    /// The worst plane's RMS relative intensity error with `terms` terms of `family`.
+    /// Returns the worst plane's RMS relative intensity error with `terms` terms of `family`.
     pub fn error(&self, family: &dyn Expansion, terms: usize) -> f64 {
         self.planes.iter().map(|plane| plane.error(family, terms)).fold(0.0, f64::max)
     }
 
-    /// The same with every number rounded to 16 bits.
+    /// Returns the same error with every number rounded to 16 bits.
     pub fn error_of_halves(&self, family: &dyn Expansion, terms: usize) -> f64 {
         let rounded = |v: &Complex32| Complex32::new(Texels::halved(v.re), Texels::halved(v.im));
         let error = |plane: &Plane| {
@@ -110,7 +108,7 @@ impl Audit {
         self.planes.iter().map(error).fold(0.0, f64::max)
     }
 
-    /// The smallest number of terms, of `terms`, that keeps each plane within `allowed`; never fewer than a lower plane.
+    /// Returns the smallest number of terms, up to `terms`, that keeps each plane within `allowed`; never fewer than for a lower plane.
     pub fn terms_by_z(&self, family: &dyn Expansion, terms: usize, allowed: f64) -> [PlaneTerms; PLANES] {
         let mut least = 1;
         std::array::from_fn(|i| {
@@ -122,17 +120,17 @@ impl Audit {
 }
 
 impl Plane {
-    /// RMS relative intensity error with the first `terms` terms, summed in f32 as the shader does.
+    /// Returns the RMS relative intensity error with the first `terms` terms, summed in f32 like in the shader.
     fn error(&self, family: &dyn Expansion, terms: usize) -> f64 {
         self.error_of(&self.terms, family, terms)
     }
 
-    /// The same of terms that are stored as `stored`.
+    /// Returns the same error of the terms in `stored`.
     fn error_of(&self, stored: &[Vec<Complex32>], family: &dyn Expansion, terms: usize) -> f64 {
         let mut c = vec![Complex64::ZERO; terms];
         family.coefficients(self.z, &mut c);
         let c: Vec<Complex32> = c.iter().map(|c| Complex32::new(c.re as f32, c.im as f32)).collect();
-        // Where nothing is seen, nothing can be wrong: such texels would only dilute the mean.
+        // Texels that are too dark to be seen would only dilute the mean.
         let seen = self.exact.iter().enumerate().filter(|(_, exact)| exact.norm_sqr() >= self.faint);
         let (count, squares) = seen.fold((0usize, 0.0), |(count, squares), (t, exact)| {
             let sum: Complex32 = c.iter().zip(stored).map(|(c, term)| c * term[t]).sum();
@@ -143,7 +141,7 @@ impl Plane {
     }
 }
 
-/// Kept texels spread evenly over |f| ≤ `radius` \[µm⁻¹\], the frequencies that some direction above the horizon and some
+/// Returns kept texels spread evenly over |f| ≤ `radius` \[µm⁻¹\], the frequencies that some direction above the horizon and some
 /// wavelength reach at one z: |f|² ≤ (z_max² − z²)/(2π)², from |(u,v,w)| ≤ 2.
 fn spread(transformer: &Transformer, radius: f64, most: usize) -> Vec<[usize; 2]> {
     let (x, y) = (&transformer.x, &transformer.y);
@@ -163,7 +161,7 @@ fn spread(transformer: &Transformer, radius: f64, most: usize) -> Vec<[usize; 2]
         .collect()
 }
 
-/// The `most` kept texels with |f| ≤ `radius` at which `spectrum` is largest.
+/// Returns the `most` kept texels with |f| ≤ `radius` at which `spectrum` is largest.
 fn brightest(
     transformer: &Transformer,
     spectrum: &TermSpectrum,

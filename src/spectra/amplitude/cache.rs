@@ -1,4 +1,4 @@
-//! Layers kept on disk, under a key made of everything that they depend on.
+//! Layers in the cache on disk, under a key made of everything that they depend on.
 
 use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel, Transformed};
@@ -11,13 +11,13 @@ use crate::error::Result;
 use crate::surface::HeightField;
 use serde::{Deserialize, Serialize};
 
-/// Most bytes of the coefficients, beside the texels.
+/// Largest size of the coefficients, beside the texels \[bytes\].
 const LARGEST_COEFFICIENTS: u64 = 64 << 20;
 
-/// The key of the layers of `field` under `settings`, for a window whose centre is `shift` \[µm\] from that of the patch.
+/// Returns the key of the layers of `field` under `settings`, for a window whose centre is `shift` \[µm\] from that of the patch.
 ///
 /// # Errors
-/// As [`Key::new`].
+/// Those of [`Key::new`].
 pub fn key(field: &HeightField, settings: &LayerSettings, shift: [f64; 2]) -> Result<Key> {
     #[derive(Serialize)]
     struct Depends<'a> {
@@ -27,12 +27,12 @@ pub fn key(field: &HeightField, settings: &LayerSettings, shift: [f64; 2]) -> Re
     Key::new(&Layers::FORMAT, &Depends { settings, shift }, field)
 }
 
-/// Most bytes of kept layers of `settings`.
+/// Returns the largest size of cached layers of `settings` \[bytes\].
 pub fn memory_limit(settings: &LayerSettings) -> u64 {
     (settings.memory_limit as u64).saturating_add(LARGEST_COEFFICIENTS)
 }
 
-/// Everything of [`Layers`] but texels and coefficients.
+/// Fields of [`Layers`] without texels and coefficients.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayersHeader {
@@ -40,7 +40,7 @@ pub struct LayersHeader {
     origin: [usize; 2],
     length: [f64; 2],
     band: [f64; 2],
-    /// Absent where it is infinite.
+    /// Standard deviation of the window \[µm\]; absent if it is infinite.
     sigma: Option<f64>,
     half_plane: bool,
     terms: usize,
@@ -123,11 +123,11 @@ impl Kept for Layers {
     }
 }
 
-/// Larger than any side and any number of terms; products of two fit a `usize`.
+/// Limit of all counts: larger than any side and any number of terms; products of two fit a `usize`.
 const LARGEST_COUNT: usize = 1_000_000;
 
-/// Whether `layers` are such as this program makes: what follows divides by their numbers, counts with them and makes
-/// images of their sizes. The check sum finds accidents; it does not know who wrote it.
+/// Returns true if `layers` are valid: the code that uses them divides by their numbers, counts with them and makes images of their sizes.
+/// The check sum finds accidental damage, not forged files.
 fn is_sound(layers: &Layers) -> bool {
     let l = layers;
     let rule = [l.pairs_needed.slope, l.pairs_needed.fewest];
@@ -223,7 +223,7 @@ mod tests {
                 let mut header = sound.clone();
                 *header.pointer_mut(path).unwrap() = json!(value);
                 let is = |names: &[&str]| names.iter().any(|name| path[1..].starts_with(name));
-                // What the layers are accurate to is told to the user only.
+                // The errors of the layers are only shown to the user.
                 let harmless = is(&["errors"])
                     || value <= 0.0 && is(&["pairs_needed"])
                     || value == 0.0 && is(&["half_range"])
@@ -245,7 +245,7 @@ mod tests {
         }
     }
 
-    /// The paths of all numbers in `value`.
+    /// Collects the paths of all numbers in `value`.
     fn leaves(value: &Value, path: String, found: &mut Vec<String>) {
         match value {
             Value::Object(fields) => fields.iter().for_each(|(k, v)| leaves(v, format!("{path}/{k}"), found)),
@@ -261,7 +261,7 @@ mod tests {
     fn every_setting_changes_the_key() {
         let (field, settings, _) = sample();
         let first = centred(&field, &settings);
-        // A setting that is added has to be varied below.
+        // A new setting has to be varied below.
         let LayerSettings {
             sigma,
             shortest_wavelength,
@@ -290,7 +290,7 @@ mod tests {
         keys.push(first);
         let different: std::collections::HashSet<Key> = keys.iter().copied().collect();
         assert_eq!(different.len(), keys.len());
-        // It decides whether there are layers, not which.
+        // The memory limit decides whether layers are made, and does not change them.
         assert_eq!(centred(&field, &LayerSettings { memory_limit: memory_limit / 2, ..settings }), first);
     }
 }

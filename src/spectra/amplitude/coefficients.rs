@@ -1,28 +1,28 @@
-//! How shaders obtain c_n(z): by the recurrence of the Taylor series, or from a table.
+//! Coefficients c_n(z) in shaders: by the recurrence of the Taylor series, or from a table.
 
 use crate::spectra::amplitude::expansion::{Basis, Expansion};
 use rustfft::num_complex::Complex64;
 
-/// c_n(z) on a uniform grid of z; linear between.
+/// Coefficients c_n(z) on a uniform grid of z; linear between its points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficients {
-    /// Whether shaders compute them: c_0 = 1, c_n = c_{n−1} i z a/n. Then the table holds its ends alone.
+    /// True if shaders compute them: c_0 = 1, c_n = c_{n−1} i z a/n. Then the table has only its end points.
     pub taylor: bool,
     /// Half the range of heights, a \[µm\].
     pub half_range: f64,
     /// Points over 0 … z_max, its ends included.
     pub columns: usize,
-    /// Pair by pair of terms, point by point: (Re, Im) of term 2p, (Re, Im) of term 2p + 1.
+    /// Values pair by pair of terms, point by point: (Re, Im) of term 2p, (Re, Im) of term 2p + 1.
     pub values: Vec<[f32; 4]>,
 }
 
-/// Share of the tolerance that reading between the points may take.
+/// Share of the tolerance for interpolation between the points.
 const SHARE: f64 = 0.03;
-/// Bounds on the number of intervals: the larger keeps a row within the 4096 texels that every Vulkan device holds.
+/// Bounds on the number of intervals: the larger keeps a row within the 4096 texels that every Vulkan device supports.
 const INTERVALS: (f64, f64) = (64.0, 4094.0);
 
 impl Coefficients {
-    /// `terms` coefficients of `family`, which is of `basis`, over 0 … `z_max` for heights of half range `half_range` \[µm\].
+    /// Tabulates `terms` coefficients of `family`, which is of `basis`, over 0 … `z_max` for heights of half range `half_range` \[µm\].
     ///
     /// Interpolating all coefficients alike interpolates e^{izh} itself, with an error of (Δz·a)²/8; intensities err by twice that. Nothing
     /// cancels.

@@ -1,25 +1,24 @@
-//! Reading a spectrum between its samples: which kernel, how many texels, and the error that remains.
+//! Interpolation of a spectrum between its samples: the kernel, its number of texels, and the remaining error.
 //!
-//! A kernel that interpolates in frequency multiplies the window's space by the kernel's transform and adds copies of it,
-//! displaced by the padded length L and damped by the same transform. Dividing the window by the transform first
-//! ("deapodisation", as in gridding and non-uniform FFTs; Jackson et al. 1991) undoes the multiplication; the damped
-//! copies remain as the error.
+//! A kernel that interpolates in frequency multiplies the window's space by the kernel's transform and adds copies of it, displaced by the
+//! padded length L and damped by the same transform. Dividing the window by the transform first ("deapodisation", as in gridding and
+//! non-uniform FFTs; Jackson et al. 1991) undoes the multiplication; the damped copies remain as the error.
 
 use crate::budget::SPECKLE;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// How the shader reads between texels along one axis.
+/// Interpolation of the shader between texels along one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kernel {
-    /// Linear interpolation, a sampler's own; transform sinc².
+    /// Linear interpolation by a sampler; transform sinc².
     Linear,
     /// Cubic B-spline, from two linear samples (Sigg & Hadwiger 2005) or four texels; transform sinc⁴.
     Cubic,
 }
 
 impl Kernel {
-    /// Linear samples along the axis.
+    /// Returns the number of linear samples along the axis.
     pub fn samples(self) -> usize {
         match self {
             Self::Linear => 1,
@@ -27,7 +26,7 @@ impl Kernel {
         }
     }
 
-    /// Texels along the axis.
+    /// Returns the number of texels along the axis.
     pub fn texels(self) -> usize {
         match self {
             Self::Linear => 2,
@@ -35,7 +34,7 @@ impl Kernel {
         }
     }
 
-    /// Texels needed beyond the band on each side.
+    /// Returns the number of texels needed beyond the band on each side.
     pub fn guard(self) -> usize {
         match self {
             Self::Linear => 1,
@@ -43,7 +42,7 @@ impl Kernel {
         }
     }
 
-    /// Weights of the four texels around a place at `t` ∈ \[0, 1\] between the middle two.
+    /// Returns the weights of the four texels around a place at `t` ∈ \[0, 1\] between the middle two.
     pub fn weights(self, t: f64) -> [f64; 4] {
         match self {
             Self::Linear => [0.0, 1.0 - t, t, 0.0],
@@ -56,7 +55,7 @@ impl Kernel {
         }
     }
 
-    /// The word for it in reports.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
@@ -64,7 +63,7 @@ impl Kernel {
         }
     }
 
-    /// The kernel's transform at `x` = position/L.
+    /// Returns the kernel's transform at `x` = position/L.
     pub fn transform(self, x: f64) -> f64 {
         let sinc = if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
         match self {
@@ -73,19 +72,19 @@ impl Kernel {
         }
     }
 
-    /// RMS amplitude error along one axis, relative to the local RMS amplitude, of reading what is transformed on a padded length of `ratio`, by a sampler
-    /// or by texels.
+    /// Returns the RMS amplitude error along one axis, relative to the local RMS amplitude, of interpolation on a padded length of `ratio`,
+    /// by a sampler or by texels.
     fn amplitude_error(self, ratio: f64, of: Transformed) -> f64 {
         let (own, rounding) = (self.own_error(ratio, of), self.rounding_error(ratio, of));
         if is_too_coarse(rounding, own) { own } else { own.hypot(rounding) }
     }
 
-    /// Whether texels have to be weighed, because a sampler is too coarse.
+    /// Returns true if the shader has to weight texels, because a sampler is too coarse.
     fn weighs_texels(self, ratio: f64, of: Transformed) -> bool {
         is_too_coarse(self.rounding_error(ratio, of), self.own_error(ratio, of))
     }
 
-    /// The kernel's own error: the energy of the damped copies, and of what the padded length cuts off a window.
+    /// Returns the error of the kernel alone: the energy of the damped copies, and of the part of the window beyond the padded length.
     fn own_error(self, ratio: f64, of: Transformed) -> f64 {
         const STEPS: usize = 2000;
         let reach = of.reach();
@@ -99,10 +98,10 @@ impl Kernel {
         (error / energy).sqrt()
     }
 
-    /// What a sampler adds by rounding the place between two texels. By Parseval these differ by 2π/`ratio` times the RMS distance from the middle of
-    /// what is transformed.
+    /// Returns the error of a sampler that rounds the place between two texels. By Parseval, texels differ by 2π/`ratio` times the RMS
+    /// distance from the middle of the transformed function.
     fn rounding_error(self, ratio: f64, of: Transformed) -> f64 {
-        // RMS of what is uniform over a step, in texels.
+        // RMS of a uniform distribution over a step, in texels.
         let rounded = PLACE_STEP / 12f64.sqrt();
         // Two samples of a B-spline weigh a = (5 − 3t − 3t² + 2t³)/6 and 1 − a at the place t: the root of the mean of a² + (1 − a)².
         const TWO_SAMPLES: f64 = 0.763;
@@ -113,8 +112,8 @@ impl Kernel {
         rounded * share * 2.0 * PI * of.spread() / ratio
     }
 
-    /// Energy of the displaced copies at `x` = position/L, |x| ≤ ½, relative to what stands there itself. sin²(π(x + m)) is the same for all m,
-    /// so that transform(x + m)/transform(x) is a power of x/(x + m).
+    /// Returns the energy of the displaced copies at `x` = position/L, |x| ≤ ½, relative to the energy of the function there. sin²(π(x +
+    /// m)) is the same for all m, so that transform(x + m)/transform(x) is a power of x/(x + m).
     fn copies(self, x: f64) -> f64 {
         const COPIES: i32 = 3; // the transform falls as m⁻² or m⁻⁴
         let ratio = |m: i32| match self {
@@ -124,7 +123,7 @@ impl Kernel {
         (1..=COPIES).map(|m| ratio(m) + ratio(-m)).sum()
     }
 
-    /// The smallest padded length up to `most` for an amplitude error along one axis of at most `allowed`.
+    /// Returns the smallest padded length up to `most` for an amplitude error along one axis of at most `allowed`.
     fn smallest_ratio(self, of: Transformed, allowed: f64, most: f64) -> Option<f64> {
         let mut ratio = of.lengths().least;
         while ratio <= most {
@@ -139,24 +138,24 @@ impl Kernel {
 
 /// Samplers round a place between two texels to multiples of this: GPUs of all makers keep 8 bits of it (`subTexelPrecisionBits`; Vulkan promises 4).
 const PLACE_STEP: f64 = 1.0 / 256.0;
-/// A sampler may add this share of a kernel's own error, which makes both together 12 % larger, because squares add up.
+/// Largest error of a sampler relative to the kernel's error: 0.5 makes both together 12 % larger, because squares add up.
 const MOST_ROUNDING: f64 = 0.5;
 
 fn is_too_coarse(rounding: f64, own: f64) -> bool {
     rounding > MOST_ROUNDING * own
 }
 
-/// What is transformed, and the unit of its padded length.
+/// Transformed function, and the unit of its padded length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Transformed {
-    /// A surface through a Gaussian window, in standard deviations.
+    /// Surface through a Gaussian window, in standard deviations.
     Window,
     /// One period, 1 over its length and 0 beyond, in periods.
     Period,
 }
 
 impl Transformed {
-    /// Squared amplitude at `x`.
+    /// Returns the squared amplitude at `x`.
     fn power(self, x: f64) -> f64 {
         match self {
             Self::Window => (-x * x).exp(),
@@ -164,7 +163,7 @@ impl Transformed {
         }
     }
 
-    /// Length that holds all of it.
+    /// Returns the length that holds all of the function.
     fn reach(self) -> f64 {
         match self {
             Self::Window => 16.0,
@@ -172,7 +171,7 @@ impl Transformed {
         }
     }
 
-    /// RMS distance from the middle.
+    /// Returns the RMS distance from the middle.
     fn spread(self) -> f64 {
         match self {
             Self::Window => FRAC_1_SQRT_2,
@@ -188,36 +187,36 @@ impl Transformed {
     }
 }
 
-/// Between which padded lengths the kernels are tried.
+/// Ranges of padded lengths in which the kernels are tried.
 struct PaddedLengths {
-    /// The shortest that is sensible.
+    /// Shortest sensible length.
     least: f64,
-    /// Up to this one linear sample wins; beyond, textures outgrow every cache.
+    /// Length up to which one linear sample is fastest; longer textures outgrow every cache.
     linear: f64,
-    /// Up to this along the linear axis two samples win over the four of a cubic kernel along both axes.
+    /// Length along the linear axis up to which two samples are faster than the four of a cubic kernel along both axes.
     mixed: f64,
-    /// Longer than this, and the rounding of 32-bit layers is the larger error.
+    /// Length beyond which the rounding of 32-bit layers is the larger error.
     cubic: f64,
 }
 
-/// A kernel for each axis, and the padded lengths that they need.
+/// Kernel for each axis, and the padded lengths that they need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolation {
-    /// What is read.
+    /// Transformed function.
     pub of: Transformed,
     /// The kernels along f_x and f_y.
     pub kernels: [Kernel; 2],
-    /// The padded lengths along x and y, in the unit of what is transformed.
+    /// Padded lengths along x and y, in the unit of the transformed function.
     pub ratios: [f64; 2],
 }
 
-/// Part of the error's square that the cubic axis of a mixed kernel may have: its error falls with the fourth power of
-/// the length, so a small part costs it little.
+/// Part of the squared error for the cubic axis of a mixed kernel: its error falls with the fourth power of the length, so a small part
+/// costs it little.
 const CUBIC_PART: f64 = 0.1;
 
 impl Interpolation {
-    /// The cheapest interpolation whose RMS relative intensity error over single directions and wavelengths is at most
-    /// `tolerance`, or the finest there is.
+    /// Returns the cheapest interpolation whose RMS relative intensity error over single directions and wavelengths is at most `tolerance`,
+    /// or the finest available.
     pub fn for_tolerance(tolerance: f64, of: Transformed) -> Self {
         use Kernel::{Cubic, Linear};
         let (allowed, most) = (tolerance / SPECKLE, of.lengths());
@@ -235,30 +234,30 @@ impl Interpolation {
         Self { of, kernels: [Cubic; 2], ratios: [ratio; 2] }
     }
 
-    /// Whether the shader weighs texels itself, because a sampler is too coarse.
+    /// Returns true if the shader weights texels itself, because a sampler is too coarse.
     pub fn weighs_texels(&self) -> bool {
         (0..2).any(|axis| self.kernels[axis].weighs_texels(self.ratios[axis], self.of))
     }
 
-    /// Reads of a layer: texels where the shader weighs them, or linear samples.
+    /// Returns the number of reads of a layer: texels if the shader weights them, otherwise linear samples.
     pub fn reads(&self) -> usize {
         let weighs_texels = self.weighs_texels();
         let along = |kernel: Kernel| if weighs_texels { kernel.texels() } else { kernel.samples() };
         self.kernels.map(along).into_iter().product()
     }
 
-    /// RMS amplitude error, relative to the local RMS amplitude.
+    /// Returns the RMS amplitude error, relative to the local RMS amplitude.
     pub fn amplitude_error(&self) -> f64 {
         let along = |axis: usize| self.kernels[axis].amplitude_error(self.ratios[axis], self.of);
         along(0).hypot(along(1))
     }
 
-    /// RMS relative intensity error over single directions and wavelengths.
+    /// Returns the RMS relative intensity error over single directions and wavelengths.
     pub fn relative_error(&self) -> f64 {
         SPECKLE * self.amplitude_error()
     }
 
-    /// The words for it in reports: the kernel, or the kernels along f_x and f_y.
+    /// Returns the name in reports: the kernel, or the kernels along f_x and f_y.
     pub fn name(&self) -> String {
         let [x, y] = self.kernels.map(Kernel::name);
         if x == y { x.to_owned() } else { format!("{x} x {y}") }
@@ -291,7 +290,7 @@ mod tests {
 
     #[test]
     fn rounded_places_err_as_predicted() {
-        // Independent phases make a window's spectrum: the sum over positions of what stands there, seen from one frequency.
+        // Independent phases make a window's spectrum: the sum over positions of the function there, at one frequency.
         let mut random = Random::new(1);
         for (kernel, ratio) in [(Kernel::Linear, 8.0), (Kernel::Linear, 13.0), (Kernel::Cubic, 16.0)] {
             let (mut error, mut power) = (0.0, 0.0);

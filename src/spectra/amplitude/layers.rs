@@ -1,5 +1,5 @@
-//! The layers: spectra of the basis functions under the window, packed for the shader, with the number of terms chosen
-//! by comparing against the transform of e^{izh} itself.
+//! Layers: spectra of the basis functions under the window, packed for the shader. The number of terms follows from a comparison with the
+//! transform of e^{izh} itself.
 
 use super::audit::{Audit, FAINT, PLANES};
 use super::coefficients::Coefficients;
@@ -19,21 +19,21 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// The largest |z| = k|w| that wavelengths from `shortest` \[µm\] allow \[rad/µm\]: |w| ≤ 2.
+/// Returns the largest |z| = k|w| for wavelengths from `shortest` \[µm\] on \[rad/µm\]: |w| ≤ 2.
 pub fn largest_z(shortest: f64) -> f64 {
     4.0 * PI / shortest
 }
 
-/// The errors that the layers bring, RMS over directions brighter than [`FAINT`] and relative to each one's own intensity.
+/// Errors of the layers, RMS over directions brighter than [`FAINT`] and relative to the intensity of each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Truncation and rounding together, measured against the transform of e^{izh}.
     pub expansion: f64,
-    /// Reading between texels, from the kernel's transform.
+    /// Interpolation between texels, from the kernel's transform.
     pub interpolation: f64,
-    /// The bound on |e^{izh} − Σ c_n b_n| over all heights, angles and wavelengths, relative to the mirror peak's amplitude.
+    /// Bound on |e^{izh} − Σ c_n b_n| over all heights, angles and wavelengths, relative to the specular peak's amplitude.
     pub truncation_bound: f64,
-    /// The bound on what rounding adds to it.
+    /// Bound on the error that rounding adds.
     pub rounding_bound: f64,
 }
 
@@ -47,23 +47,23 @@ pub struct Layers {
     pub origin: [usize; 2],
     /// L_x, L_y: texels per unit of frequency \[µm\].
     pub length: [f64; 2],
-    /// Frequencies beyond these hold nothing \[µm⁻¹\].
+    /// Largest frequencies of the band \[µm⁻¹\].
     pub band: [f64; 2],
     /// σ of the window \[µm\].
     pub sigma: f64,
-    /// Whether only f_x ≥ 0 is stored.
+    /// True if only f_x ≥ 0 is stored.
     pub half_plane: bool,
     /// Number of terms K.
     pub terms: usize,
     /// c_n over k|w|.
     pub coefficients: Coefficients,
-    /// Largest k|w| served \[rad/µm\].
+    /// Largest k|w| of the layers \[rad/µm\].
     pub z_max: f64,
-    /// Pairs of terms that k|w| needs.
+    /// Rule for the pairs of terms at each k|w|.
     pub pairs_needed: PairRule,
-    /// How to read between texels.
+    /// Interpolation between texels.
     pub interpolation: Interpolation,
-    /// What it is accurate to.
+    /// Errors of the layers.
     pub errors: Errors,
     /// RGBA texels (Re, Im of term 2p; Re, Im of term 2p + 1), pair by pair, row by row in growing f_y; in units of the flat mirror's
     /// peak amplitude.
@@ -71,17 +71,17 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Pairs of terms, one a layer of the texture.
+    /// Returns the number of pairs of terms, one for each layer of the texture.
     pub fn pairs(&self) -> usize {
         self.terms.div_ceil(2)
     }
 
-    /// Bytes of all texels.
+    /// Returns the size of all texels \[bytes\].
     pub fn bytes(&self) -> usize {
         self.texels.bytes().len()
     }
 
-    /// Pairs of terms that are summed at k|w| = `z` \[rad/µm\].
+    /// Returns the number of pairs of terms that are summed at k|w| = `z` \[rad/µm\].
     pub fn pairs_at(&self, z: f64) -> usize {
         self.pairs_needed.at(z).clamp(1, self.pairs())
     }
@@ -90,8 +90,7 @@ impl Layers {
 /// Transforms `field` into layers. `progress(done, of)` is called as work goes on; an error from it ends the work.
 ///
 /// # Errors
-/// Where 32-bit floats cannot hold the expansion at this tolerance, where the memory limit is exceeded, where `progress`
-/// says so.
+/// An expansion that 32-bit floats cannot hold at this tolerance, an exceeded memory limit, errors of `progress`.
 pub fn compute(
     field: &HeightField,
     settings: &LayerSettings,
@@ -100,10 +99,10 @@ pub fn compute(
     compute_at(field, settings, [0.0; 2], progress)
 }
 
-/// As [`compute`], with the centre of the window `shift` \[µm\] from that of the patch.
+/// Transforms `field` like [`compute`], with the centre of the window `shift` \[µm\] from that of the patch.
 ///
 /// # Errors
-/// As [`compute`].
+/// See [`compute`].
 pub fn compute_at(
     field: &HeightField,
     settings: &LayerSettings,
@@ -115,8 +114,8 @@ pub fn compute_at(
         progress(i, work.steps(0))
     })?;
     let made = work.transform(&mut audit, progress)?;
-    // Half the memory to keep and to read, where the rounding is within the budget too; powers of the height cancel each other by orders of
-    // magnitude.
+    // 16-bit floats take half the memory, and are used if their rounding is within the budget too. Powers of the height cancel each other
+    // by orders of magnitude and need 32 bits.
     let family = work.family.as_ref();
     let in_halves = audit.error_of_halves(family, made.terms);
     let budget = settings.budget.expansion;
@@ -126,7 +125,7 @@ pub fn compute_at(
         return Err(beyond_32_bits(settings, expansion_error));
     }
     progress(work.steps(made.pairs), work.steps(made.pairs))?;
-    // The halves stand beside what they are made from.
+    // The halves exist beside the texels from which they are made.
     let finished = if half { made.texels.len() * size_of::<f32>() / 2 } else { 0 };
     memory::ensure_room(finished as u64, "the spectra")?;
     let (z_max, terms) = (work.z_max, made.terms);
@@ -142,7 +141,7 @@ pub fn compute_at(
         z_max,
         pairs_needed: match settings.terms {
             None => PairRule::over(&audit.terms_by_z(family, terms, budget)),
-            // What the user names is done everywhere.
+            // A number of terms that the user names is used everywhere.
             Some(_) => PairRule::constant(terms.div_ceil(2)),
         },
         interpolation: work.interpolation,
@@ -156,7 +155,7 @@ pub fn compute_at(
     })
 }
 
-/// What layers are made from.
+/// State of the computation of layers.
 struct LayersWork<'a> {
     settings: &'a LayerSettings,
     interpolation: Interpolation,
@@ -169,13 +168,13 @@ struct LayersWork<'a> {
     most_terms: usize,
     transformer: Transformer<'a>,
     half_plane: bool,
-    /// The first column of the transforms that is kept.
+    /// First column of the transforms that is kept.
     first_column: usize,
     size: [usize; 2],
     origin: [usize; 2],
 }
 
-/// Spectra of so many pairs of terms.
+/// Spectra of the pairs of terms made so far.
 struct MadeSpectra {
     texels: Vec<f32>,
     pairs: usize,
@@ -189,13 +188,13 @@ impl<'a> LayersWork<'a> {
         let (interpolation, interpolation_error) = interpolation(settings)?;
         let [x, y] = axes(field, settings, interpolation, shift)?;
         if settings.basis == Basis::Taylor && settings.terms.is_none() {
-            // Refuses what is hopeless before any work.
+            // Refuses impossible heights before any work.
             terms_for(z_max * scale.half_range, settings.budget.expansion, F32_ROUNDOFF)?;
         }
         let family = family(field, settings.basis, z_max);
         let most_terms = most_terms(family.as_ref(), settings, z_max);
         let half_plane = settings.basis.is_real();
-        // Texels left of f_x = 0 exist for the kernel alone where the other half plane follows.
+        // Texels left of f_x = 0 exist for the kernel alone if only the half plane is stored.
         let first_column = if half_plane { x.bins - interpolation.kernels[0].guard() } else { 0 };
         let (size, origin) = ([x.kept() - first_column, y.kept()], [x.bins - first_column, y.bins]);
         let work = Self {
@@ -217,23 +216,23 @@ impl<'a> LayersWork<'a> {
         Ok(work)
     }
 
-    /// Bytes of a layer.
+    /// Returns the size of a layer \[bytes\].
     fn layer_bytes(&self) -> usize {
         TEXEL * self.size[0] * self.size[1]
     }
 
-    /// Fails where so many layers exceed the user's limit.
+    /// Fails if this number of layers exceeds the user's limit.
     fn ensure_limit(&self, layers: usize) -> Result<()> {
         let bytes = layers * self.layer_bytes();
         if bytes <= self.settings.memory_limit { Ok(()) } else { Err(too_large(bytes as f64, self.settings)) }
     }
 
-    /// Steps of the whole work, as far as `layers` that are made let it be guessed.
+    /// Estimates the steps of the whole work after `layers` layers.
     fn steps(&self, layers: usize) -> usize {
         PLANES + self.settings.terms.unwrap_or(GUESSED_TERMS).div_ceil(2).max(layers)
     }
 
-    /// Transforms pair after pair of terms, until the `audit` says that they are enough.
+    /// Transforms pair after pair of terms, until the `audit` reports a small enough error.
     fn transform(
         &self,
         audit: &mut Audit,
@@ -248,7 +247,7 @@ impl<'a> LayersWork<'a> {
             progress(PLANES + pairs, self.steps(pairs + 1))?;
             self.ensure_limit(pairs + 1)?;
             let pair = transformer.pair(self.half_plane, |n, i| family.basis(2 * pairs + n, heights[i]));
-            // Asked for as it grows: how many layers there will be is known at the end alone.
+            // Requested as the texels grow: the number of layers is known only at the end.
             memory::ensure_room(self.layer_bytes() as u64, "the spectra")?;
             let begin = texels.len();
             texels.reserve_exact(columns * rows * 4);
@@ -266,7 +265,7 @@ impl<'a> LayersWork<'a> {
     }
 }
 
-/// How to read between texels within the budget of `settings`, and the error of that.
+/// Returns the interpolation between texels within the budget of `settings`, and its error.
 fn interpolation(settings: &LayerSettings) -> Result<(Interpolation, f64)> {
     let budget = settings.budget.interpolation;
     let of = if settings.sigma.is_finite() { Transformed::Window } else { Transformed::Period };
@@ -295,7 +294,7 @@ fn beyond_32_bits(settings: &LayerSettings, error: f64) -> Error {
     )
 }
 
-/// The expansion of `basis` for the heights of `field` and |z| up to `z_max` \[rad/µm\].
+/// Returns the expansion of `basis` for the heights of `field` and |z| up to `z_max` \[rad/µm\].
 fn family(field: &HeightField, basis: Basis, z_max: f64) -> Box<dyn Expansion> {
     let half_range = HeightScale::of(field).half_range;
     match basis {
@@ -304,14 +303,14 @@ fn family(field: &HeightField, basis: Basis, z_max: f64) -> Box<dyn Expansion> {
     }
 }
 
-/// Where the audit may stop looking for the number of terms.
+/// Returns the number of terms at which the audit may stop searching.
 fn most_terms(family: &dyn Expansion, settings: &LayerSettings, z_max: f64) -> usize {
     let most = family.most_terms();
-    // No judged texel is fainter than FAINT, so a sup error of its square root times the tolerance is more than enough.
+    // No judged texel is fainter than FAINT: a sup error of √FAINT times the tolerance suffices, with a margin of 10.
     let enough = settings.budget.expansion * FAINT.sqrt() * 0.1;
     match settings.terms {
         Some(terms) => terms.clamp(1, most),
-        // The bound of the others is measured, which takes longer than a term.
+        // The bound of other expansions is measured, which takes longer than a term.
         None if settings.basis.is_real() => {
             (1..most).find(|&n| family.truncation_bound(z_max, n) <= enough).unwrap_or(most)
         }
@@ -319,7 +318,7 @@ fn most_terms(family: &dyn Expansion, settings: &LayerSettings, z_max: f64) -> u
     }
 }
 
-/// One pair of terms as RGBA `texels`, row by row, each of `columns` from kept column `first_column` on.
+/// Packs one pair of terms into RGBA `texels`, row by row, each of `columns` from kept column `first_column` on.
 fn pack(pair: &TermPair, columns: usize, first_column: usize, texels: &mut [f32]) {
     texels.par_chunks_mut(columns * 4).enumerate().for_each(|(row, out)| {
         for (column, texel) in out.chunks_mut(4).enumerate() {
@@ -331,7 +330,7 @@ fn pack(pair: &TermPair, columns: usize, first_column: usize, texels: &mut [f32]
 
 /// Bytes of a texel: two complex numbers of 32-bit floats.
 const TEXEL: usize = 16;
-/// What the progress counts on before the number of terms is known.
+/// Number of terms that the progress assumes before it is known.
 const GUESSED_TERMS: usize = 16;
 
 #[cfg(test)]
@@ -403,7 +402,7 @@ mod tests {
         let layers = compute(&field, &settings(1e-3), &|_, _| Ok(())).unwrap();
         assert!(layers.terms <= 2);
         let peak = (layers.origin[1] * layers.size[0] + layers.origin[0]) * 4;
-        // Deapodisation lifts the sum of the weights above the window's integral by the kernel's own loss at the peak.
+        // Deapodisation lifts the sum of the weights above the window's integral by the loss of the kernel at the peak.
         let peak = layers.texels.at(peak);
         assert!((peak - 1.0).abs() < 0.1, "{peak}");
     }

@@ -1,4 +1,4 @@
-//! From a height field to the layers that the shader reads: expansion × window → spectra, judged as they are made.
+//! Layers of one window for the shader: expansion × window → spectra, audited as they are made.
 
 pub mod audit;
 pub mod cache;

@@ -1,9 +1,9 @@
-//! How many pairs of terms a wavelength needs.
+//! Number of pairs of terms for a wavelength.
 
 use super::audit::{PLANES, PlaneTerms};
 use serde::{Deserialize, Serialize};
 
-/// How many pairs of terms k|w| = z needs: ⌈`slope`·z + `fewest`⌉, because a formula costs the shader less than a table.
+/// Number of pairs of terms for k|w| = z: ⌈`slope`·z + `fewest`⌉. A formula costs the shader less than a table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PairRule {
     /// Pairs per unit of z \[µm\].
@@ -13,14 +13,14 @@ pub struct PairRule {
 }
 
 impl PairRule {
-    /// All of `pairs` everywhere.
+    /// Returns the rule for the same number of `pairs` everywhere.
     pub(super) fn constant(pairs: usize) -> Self {
         Self { slope: 0.0, fewest: pairs as f64 }
     }
 
-    /// The lowest line that nowhere gives fewer than the audited planes need. What a plane needs is needed from the plane
-    /// below it on: scattering fades with z as fast as the terms do, so the sup bound, which is relative to the mirror
-    /// peak, would drop terms that are seen.
+    /// Returns the lowest line that is nowhere below the number for the audited planes. The number of a plane holds from the plane below it
+    /// on: scattering fades with z as fast as the terms do, so the sup bound, which is relative to the specular peak, would drop visible
+    /// terms.
     pub(super) fn over(planes: &[PlaneTerms; PLANES]) -> Self {
         /// Rounding up reaches the number from anywhere above the one before.
         const ABOVE: f64 = 1e-3;

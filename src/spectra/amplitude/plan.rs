@@ -1,4 +1,4 @@
-//! The frequencies that are transformed, their spacing, and the memory that the transforms take.
+//! Plan of the transforms: their frequencies, spacing and memory.
 
 use super::kernel::Interpolation;
 use super::settings::LayerSettings;
@@ -41,13 +41,13 @@ pub(super) fn axes(
     ensure_room(&axes, &samples, settings).map(|()| axes)
 }
 
-/// Fails if the host has no room for the transforms of `settings`, whose buffers are kept from one to the next. The layers ask for theirs as they
-/// are made.
+/// Fails if the host has no room for the transforms of `settings`, whose buffers are reused from one to the next. Memory of the layers is
+/// requested as they are made.
 fn ensure_room([x, y]: &[PaddedAxis; 2], samples: &[Samples; 2], settings: &LayerSettings) -> Result<()> {
     // Real functions share a spectrum.
     let spectra = if settings.basis.is_real() { 1 } else { 2 };
     let transforms = Transformer::memory(x, y, &samples[1], spectra);
-    // Beside them, every height once more, in units of their range.
+    // All heights once more, normalised to their range.
     let heights = (samples[0].count * samples[1].count * size_of::<f64>()) as u64;
     memory::ensure_room(transforms.saturating_add(heights), "the Fourier transforms")
 }
@@ -63,7 +63,7 @@ pub(super) fn too_large(bytes: f64, settings: &LayerSettings) -> Error {
     )
 }
 
-/// Largest frequencies that directions at `shortest` \[µm\] can ask for and samples can hold: min(2/λ, 1/(2dx)).
+/// Returns the largest frequencies that directions at `shortest` \[µm\] need and the samples hold: min(2/λ, 1/(2dx)).
 pub(super) fn bands_of(field: &HeightField, shortest: f64) -> [f64; 2] {
     field.pixel_size().map(|d| (2.0 / shortest).min(0.5 / d))
 }

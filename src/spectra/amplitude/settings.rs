@@ -1,26 +1,25 @@
-//! What layers are made for.
+//! Settings of layers.
 
 use crate::budget::WindowBudget;
 use crate::spectra::amplitude::expansion::Basis;
 use serde::Serialize;
 
-/// What the layers are made for.
+/// Settings of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LayerSettings {
-    /// Standard deviation of the Gaussian window over the endless surface \[µm\]; infinite: one period alone, without a
-    /// window.
+    /// Standard deviation of the Gaussian window over the periodic surface \[µm\]; infinite: one period alone, without a window.
     pub sigma: f64,
-    /// Shortest wavelength that will be asked for \[µm\].
+    /// Shortest wavelength of the layers \[µm\].
     pub shortest_wavelength: f64,
     /// Relative intensity errors that are allowed.
     pub budget: WindowBudget,
-    /// Which expansion.
+    /// Basis of the expansion.
     pub basis: Basis,
-    /// Number of terms, where the user names it.
+    /// Number of terms, if the user names it.
     pub terms: Option<usize>,
-    /// Most bytes that the layers may take. Not part of their key: it decides whether they are made.
+    /// Largest size of the layers \[bytes\]. Not part of their key: the limit does not change the layers.
     #[serde(skip)]
     pub memory_limit: usize,
-    /// Most texels along a side of a layer.
+    /// Largest number of texels along a side of a layer.
     pub side_limit: usize,
 }

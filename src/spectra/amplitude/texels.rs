@@ -1,4 +1,4 @@
-//! Numbers of the layers in the width that they need.
+//! Texels of the layers, in 32 or 16 bits.
 
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
@@ -13,20 +13,20 @@ pub enum Texels {
     Half(Vec<u16>),
 }
 
-/// What a stored 1 of 16-bit floats stands for: 16 times the mirror's peak is below their end, 65504, and what is 1e-8 of it
-/// above where they lose precision, 6.1e-5.
+/// Value of a stored 1 of 16-bit floats: 16 times the specular peak is below their end, 65504, and 1e-8 of the peak is above the limit of
+/// full precision, 6.1e-5.
 pub const HALF_UNIT: f32 = 1.0 / 4096.0;
 
-/// Numbers that a thread takes at once: many enough for it, and few enough for its cache.
+/// Numbers that a thread converts at once: enough work for a thread, and small enough for its cache.
 const TOGETHER: usize = 1 << 16;
 
 impl Texels {
-    /// What 16 bits make of `value`.
+    /// Rounds `value` to 16 bits.
     pub fn halved(value: f32) -> f32 {
         f16::from_f32(value / HALF_UNIT).to_f32() * HALF_UNIT
     }
 
-    /// `values`, in 16 bits where `half`, which have to hold them then.
+    /// Stores `values`, in 16 bits if `half`; they have to fit then.
     pub fn of(half: bool, values: Vec<f32>) -> Self {
         if !half {
             return Self::Single(values);
@@ -39,13 +39,13 @@ impl Texels {
         Self::Half(halves)
     }
 
-    /// Whether 16 bits hold `values`.
+    /// Returns true if 16 bits hold `values`.
     pub fn fit_halves(values: &[f32]) -> bool {
         let most = f16::MAX.to_f32() * HALF_UNIT;
         values.iter().all(|v| v.abs() <= most)
     }
 
-    /// Numbers, four to a texel.
+    /// Returns the number of floats, four to a texel.
     pub fn len(&self) -> usize {
         match self {
             Self::Single(own) => own.len(),
@@ -53,17 +53,17 @@ impl Texels {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether they are 16-bit floats.
+    /// Returns true for 16-bit floats.
     pub fn is_half(&self) -> bool {
         matches!(self, Self::Half(_))
     }
 
-    /// Number `index`.
+    /// Returns number `index`.
     pub fn at(&self, index: usize) -> f32 {
         match self {
             Self::Single(own) => own[index],
@@ -71,12 +71,12 @@ impl Texels {
         }
     }
 
-    /// What a stored 1 stands for.
+    /// Returns the value of a stored 1.
     pub fn unit(&self) -> f32 {
         if self.is_half() { HALF_UNIT } else { 1.0 }
     }
 
-    /// As they are stored.
+    /// Returns the stored bytes.
     pub fn bytes(&self) -> &[u8] {
         match self {
             Self::Single(own) => bytemuck::cast_slice(own),
@@ -84,12 +84,12 @@ impl Texels {
         }
     }
 
-    /// Room for `count` numbers, of 16 bits where `half`, and its bytes, to be read into.
+    /// Returns a buffer of `count` zeros, of 16 bits if `half`, into which bytes are read.
     pub fn zeroed(half: bool, count: usize) -> Self {
         if half { Self::Half(vec![0; count]) } else { Self::Single(vec![0.0; count]) }
     }
 
-    /// Their bytes, to be read into.
+    /// Returns the stored bytes for writing.
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         match self {
             Self::Single(own) => bytemuck::cast_slice_mut(own),
@@ -97,9 +97,9 @@ impl Texels {
         }
     }
 
-    /// Whether every number is one.
+    /// Returns true if all numbers are finite.
     pub fn are_finite(&self) -> bool {
-        // All bits of the exponent, which infinities and what is no number have. No early end, so that lanes go side by side.
+        // Mask of the exponent, all ones for infinities and NaN. There is no early exit, so that the loop is vectorised.
         const SINGLE: u32 = 0x7f80_0000;
         const HALF: u16 = 0x7c00;
         match self {

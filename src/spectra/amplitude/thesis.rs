@@ -1,5 +1,5 @@
-//! What the thesis' own shader reads, to compare with: the Fourier series of the powers of the height over one period, which it
-//! weighs by the window's spectrum at the 3 × 3 bins nearest to a frequency (\[Single 2014\], Gaussian window over the DFT).
+//! Layers for the shader of the thesis, a baseline for comparison: the Fourier series of the powers of the height over one period, which
+//! the shader weights by the window's spectrum at the 3 × 3 bins nearest to a frequency (\[Single 2014\], Gaussian window over the DFT).
 
 use super::coefficients::Coefficients;
 use super::kernel::{Interpolation, Kernel, Transformed};
@@ -15,20 +15,20 @@ use crate::spectra::amplitude::expansion::{Basis, Expansion, HeightScale};
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
 
-/// Terms of the Taylor series that the thesis sums on *Elaphe*.
+/// Number of terms of the Taylor series that the thesis sums on *Elaphe*.
 pub const TERMS: usize = 37;
-/// Wavelengths: 380 to 780 nm in steps of 5 nm.
+/// Number of wavelengths: 380 to 780 nm in steps of 5 nm.
 pub const WAVELENGTHS: usize = 81;
 /// Bins of the window's spectrum, 3 along each axis.
 pub const TAPS: usize = 9;
-/// Bins that they reach beyond the nearest.
+/// Bins of the window's spectrum beyond the nearest.
 const REACH: usize = 1;
 
-/// The layers of the thesis for `field` seen through a Gaussian of standard deviation `sigma` \[µm\], for wavelengths from
+/// Computes the layers of the thesis for `field` seen through a Gaussian of standard deviation `sigma` \[µm\], for wavelengths from
 /// `shortest` \[µm\]. The middle height is 0 here too, without which 32-bit floats lose more digits.
 ///
 /// # Errors
-/// Where memory does not suffice.
+/// Too little memory.
 pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> {
     let scale = HeightScale::of(field);
     let band = bands_of(field, shortest);
@@ -79,7 +79,7 @@ pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> 
         },
         errors: Errors {
             expansion: expansion.truncation_bound(z_max, TERMS),
-            interpolation: f64::INFINITY, // what 3 x 3 bins leave out has no bound
+            interpolation: f64::INFINITY, // the error of 3 x 3 bins has no bound
             truncation_bound: expansion.truncation_bound(z_max, TERMS),
             rounding_bound: expansion.rounding_bound(z_max, F32_ROUNDOFF),
         },

@@ -1,7 +1,7 @@
-//! Windowed Fourier transforms of functions of the height, on the frequencies that a scene can see.
+//! Windowed Fourier transforms of functions of the height, at the frequencies of visible directions.
 //!
-//! Sign and order: P(f) = Σ p(x) e^{+i2πf·x} dx dy, which is rustfft's inverse direction, unnormalised. Position 0 is the
-//! patch centre, so neighbouring bins of a centred window are in phase and can be interpolated between.
+//! Sign and order: P(f) = Σ p(x) e^{+i2πf·x} dx dy, which is rustfft's inverse direction, unnormalised. Position 0 is the patch centre, so
+//! neighbouring bins of a centred window are in phase and can be interpolated between.
 
 use super::kernel::Kernel;
 use crate::fft_size::fast_size;
@@ -11,21 +11,21 @@ use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 use std::f64::consts::PI;
 use std::sync::{Arc, Mutex};
 
-/// The samples of a height field along an axis.
+/// Samples of a height field along an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples {
-    /// Their number, over one period.
+    /// Number of samples over one period.
     pub count: usize,
-    /// Distance \[µm\].
+    /// Distance of samples \[µm\].
     pub spacing: f64,
-    /// Sample 0 has the largest coordinate, as rows of an image have.
+    /// True if sample 0 has the largest coordinate, as rows of an image have.
     pub upward: bool,
-    /// The window's centre from that of the patch \[µm\].
+    /// Position of the window's centre from that of the patch \[µm\].
     pub centre: f64,
 }
 
 impl Samples {
-    /// Along x (0) and y (1) of `field` under a window `shift` \[µm\] from the patch's centre.
+    /// Returns the samples along x (0) and y (1) of `field` under a window `shift` \[µm\] from the patch's centre.
     pub fn of(field: &HeightField, shift: [f64; 2]) -> [Self; 2] {
         let counts = [field.columns(), field.rows()];
         [0, 1].map(|i| Self {
@@ -36,18 +36,18 @@ impl Samples {
         })
     }
 
-    /// T: one period \[µm\].
+    /// Returns one period T \[µm\].
     pub fn period(&self) -> f64 {
         self.count as f64 * self.spacing
     }
 }
 
-/// One sample of the patch under the window.
+/// Sample of the patch under the window.
 #[derive(Clone, Copy, Debug)]
 struct WindowTap {
-    /// Where it goes in the transform.
+    /// Index in the transform.
     slot: usize,
-    /// Its column or row in the patch.
+    /// Column or row in the patch.
     patch: usize,
     /// Window over the kernel's transform, normalised to Σ g = 1.
     weight: f64,
@@ -62,28 +62,28 @@ pub struct PaddedAxis {
     pub length: f64,
     /// Bins −`bins` … `bins` are kept: the band and the kernel's guard.
     pub bins: usize,
-    /// What the window sees.
+    /// Samples within the window.
     taps: Vec<WindowTap>,
-    /// Sub-sample shift of the origin: the centre of an even number of samples, for one, lies between two.
+    /// Sub-sample shift of the origin: the centre of an even number of samples, for example, lies between two.
     shift: f64,
 }
 
 impl PaddedAxis {
-    /// The axis of `own` samples under a Gaussian of standard deviation `sigma` \[µm\] on a length of at least `length` \[µm\],
-    /// keeping frequencies up to `band` \[µm⁻¹\]; an infinite σ is one period alone without a window. With `kernel` the spectrum
-    /// may be read between its bins, and the window ends where L does; without, it is read at its bins alone, and what of
-    /// the window lies beyond L is folded back, which leaves the values at the bins what they are.
+    /// Returns the axis of `own` samples under a Gaussian of standard deviation `sigma` \[µm\] on a length of at least `length` \[µm\],
+    /// keeping frequencies up to `band` \[µm⁻¹\]; an infinite σ is one period alone without a window. With `kernel` the spectrum may be
+    /// read between its bins, and the window ends at L. Without, it is read at its bins alone, and the part of the window beyond L is
+    /// folded back, which does not change the values at the bins.
     pub fn new(own: &Samples, sigma: f64, length: f64, kernel: Option<Kernel>, band: f64) -> Self {
-        /// A transform this short costs nothing and still holds every kernel's guard.
+        /// Smallest size of a transform: it costs nothing and still holds every kernel's guard.
         const FEWEST: usize = 8;
-        /// Where a folded window ends: its amplitude is 3e-6 there.
+        /// End of a folded window in standard deviations: its amplitude is 3e-6 there.
         const REACH: f64 = 5.0;
         let Samples { count, spacing, upward, centre } = *own;
         let patch = own.period();
         let windowed = sigma.is_finite();
         let padded = fast_size(((length / spacing).ceil() as usize).max(FEWEST));
         let length = padded as f64 * spacing;
-        // The window's centre in samples of the patch, and how far the next sample stands above it.
+        // The window's centre in samples of the patch, and the distance to the next sample above it.
         let centre = (count as f64 - 1.0) / 2.0 + centre / spacing;
         let middle = centre.ceil() as i64;
         let shift = centre.ceil() - centre;
@@ -91,7 +91,7 @@ impl PaddedAxis {
             true => (-0.5 * (x / sigma).powi(2)).exp(),
             false => f64::from(u8::from(x.abs() < patch / 2.0)),
         };
-        // The continuous integral of g, so that a flat surface's mirror peak is 1 by definition.
+        // The continuous integral of g makes the specular peak of a flat surface 1 by definition.
         let scale = spacing / if windowed { (2.0 * PI).sqrt() * sigma } else { patch };
         let places = match kernel {
             Some(_) => padded.div_ceil(2) as i64 - padded as i64..padded.div_ceil(2) as i64,
@@ -117,7 +117,7 @@ impl PaddedAxis {
         Self { samples: padded, length, bins: (band * length).ceil() as usize + guard, taps, shift }
     }
 
-    /// The axis of one period of `own` samples alone, at the bins m/T of the endless surface's Fourier series, those up to `band`
+    /// Returns the axis of one period of `own` samples alone, at the bins m/T of the periodic surface's Fourier series, those up to `band`
     /// \[µm⁻¹\] and `beyond` more.
     pub fn of_period(own: &Samples, band: f64, beyond: usize) -> Self {
         let Samples { count, upward, .. } = *own;
@@ -134,17 +134,17 @@ impl PaddedAxis {
         Self { samples: count, length: own.period(), bins, taps, shift: centre.ceil() - centre }
     }
 
-    /// Bins kept along the whole axis, negative frequencies included.
+    /// Returns the number of bins kept along the whole axis, negative frequencies included.
     pub fn kept(&self) -> usize {
         2 * self.bins + 1
     }
 
-    /// The transform's own index of kept bin `k` (frequency k − bins).
+    /// Returns the index in the transform of kept bin `k` (frequency k − bins).
     fn bin(&self, k: usize) -> usize {
         (k as i64 - self.bins as i64).rem_euclid(self.samples as i64) as usize
     }
 
-    /// The factor that moves the origin to the window's centre, for kept bin `k`.
+    /// Returns the factor that moves the origin to the window's centre, for kept bin `k`.
     fn origin_phase(&self, k: usize) -> Complex64 {
         let bin = k as f64 - self.bins as f64;
         Complex64::cis(2.0 * PI * bin * self.shift / self.samples as f64)
@@ -161,13 +161,13 @@ pub struct TermSpectrum {
 }
 
 impl TermSpectrum {
-    /// The value at a kept column and row.
+    /// Returns the value at a kept column and row.
     pub fn at(&self, column: usize, row: usize) -> Complex64 {
         self.values[column * self.rows + row]
     }
 
-    /// At kept (column, row), the spectra A and B of the real and imaginary parts of the transformed function: both are
-    /// Hermitian, so A(f) = (Z(f) + Z*(−f))/2 and B(f) = (Z(f) − Z*(−f))/2i.
+    /// Returns, at kept (column, row), the spectra A and B of the real and imaginary parts of the transformed function: both are Hermitian,
+    /// so A(f) = (Z(f) + Z*(−f))/2 and B(f) = (Z(f) − Z*(−f))/2i.
     fn split(&self, column: usize, row: usize) -> [Complex64; 2] {
         let z = self.at(column, row);
         let mirrored = self.at(self.columns - 1 - column, self.rows - 1 - row).conj();
@@ -179,14 +179,14 @@ impl TermSpectrum {
 /// The spectra of two functions of the height.
 #[derive(Debug)]
 pub enum TermPair {
-    /// Of real functions, which are the real and the imaginary part of the one that was transformed.
+    /// Spectrum of a complex function whose real and imaginary parts are two real functions.
     Real(TermSpectrum),
-    /// Of complex functions.
+    /// Spectra of two complex functions.
     Complex([TermSpectrum; 2]),
 }
 
 impl TermPair {
-    /// Both at a kept column and row.
+    /// Returns both values at a kept column and row.
     pub fn at(&self, column: usize, row: usize) -> [Complex64; 2] {
         match self {
             Self::Real(both) => both.split(column, row),
@@ -199,7 +199,7 @@ impl IntoIterator for TermPair {
     type Item = TermSpectrum;
     type IntoIter = std::vec::IntoIter<TermSpectrum>;
 
-    /// What was transformed: one spectrum of real functions, two of complex ones.
+    /// Returns the transformed spectra: one of two real functions, two of complex ones.
     fn into_iter(self) -> Self::IntoIter {
         match self {
             Self::Real(both) => vec![both].into_iter(),
@@ -214,16 +214,16 @@ const TOGETHER: usize = 8;
 /// Transforms of one height field under one window.
 pub struct Transformer<'a> {
     field: &'a HeightField,
-    /// Along x.
+    /// Axis along x.
     pub x: PaddedAxis,
-    /// Along y.
+    /// Axis along y.
     pub y: PaddedAxis,
-    /// Rows of the patch that the window sees, and the place of every row of the patch among them.
+    /// Rows of the patch within the window, and the index of every row of the patch among them.
     rows: Vec<usize>,
     row_place: Vec<usize>,
     along_x: Arc<dyn Fft<f64>>,
     along_y: Arc<dyn Fft<f64>>,
-    /// Rooms of former transforms: the system takes longer to hand them out than a transform does to fill them.
+    /// Buffers of former transforms: allocating them anew takes longer than a transform takes to fill them.
     spare: Mutex<Vec<Vec<Complex64>>>,
 }
 
@@ -240,7 +240,7 @@ impl<'a> Transformer<'a> {
         Self { field, x, y, rows, row_place, along_x, along_y, spare: Mutex::default() }
     }
 
-    /// `count` numbers of whatever value, to be written over.
+    /// Returns a buffer of `count` arbitrary numbers, to be overwritten.
     fn room(&self, count: usize) -> Vec<Complex64> {
         let found = self.spare.lock().ok().and_then(|mut spare| {
             let place = spare.iter().position(|room| room.len() == count)?;
@@ -250,26 +250,26 @@ impl<'a> Transformer<'a> {
     }
 
     fn keep(&self, room: Vec<Complex64>) {
-        // Where the list was left broken by a panic, the room is lost and no more.
+        // If a panic poisoned the list, only the buffer is lost.
         if let Ok(mut spare) = self.spare.lock() {
             spare.push(room);
         }
     }
 
-    /// Takes the room of spectra of this transformer back for the next.
+    /// Takes back the buffers of spectra of this transformer for the next ones.
     pub fn take_back(&self, spectra: impl IntoIterator<Item = TermSpectrum>) {
         spectra.into_iter().for_each(|spectrum| self.keep(spectrum.values));
     }
 
-    /// Host memory that a transformer of `spectra` spectra at a time takes at its worst \[bytes\]: the rows of the patch that the
-    /// window sees, at the kept columns, the kept spectra, and a few lines for each thread. `own` is along y.
+    /// Returns the peak host memory of a transformer of `spectra` spectra at a time \[bytes\]: the rows of the patch within the window, at
+    /// the kept columns, the kept spectra, and a few lines for each thread. `own` is along y.
     pub fn memory(x: &PaddedAxis, y: &PaddedAxis, own: &Samples, spectra: usize) -> u64 {
         let rows = own.count.min(y.taps.len());
         let lines = 2 * (x.samples + TOGETHER * y.samples) * rayon::current_num_threads();
         (((rows + spectra * y.kept()) * x.kept() + lines) * size_of::<Complex64>()) as u64
     }
 
-    /// The spectra of window · `value`(0 or 1, sample of the patch); real functions share one transform.
+    /// Returns the spectra of window · `value`(0 or 1, sample of the patch); real functions share one transform.
     pub fn pair(&self, real: bool, value: impl Fn(usize, usize) -> Complex64 + Sync) -> TermPair {
         if real {
             TermPair::Real(self.spectrum(|i| Complex64::new(value(0, i).re, value(1, i).re)))
@@ -278,7 +278,7 @@ impl<'a> Transformer<'a> {
         }
     }
 
-    /// The spectrum of window · `value`(sample of the patch, by row and column), relative to the window's mirror peak.
+    /// Returns the spectrum of window · `value`(sample of the patch, by row and column), relative to the window's specular peak.
     pub fn spectrum(&self, value: impl Fn(usize) -> Complex64 + Sync) -> TermSpectrum {
         let (x, y) = (&self.x, &self.y);
         let columns = x.kept();
@@ -342,7 +342,7 @@ mod tests {
         for (columns, rows, shift) in [(7, 6, [0.0; 2]), (6, 5, [0.0; 2]), (6, 7, [0.33, 1.1])] {
             let heights: Vec<f64> = (0..columns * rows).map(|i| ((i * 37 % 11) as f64).sin() * 0.1).collect();
             let field = HeightField::new(columns, rows, [0.2, 0.3], heights).unwrap();
-            // Linear deapodisation is divided out again below: the plain window is what is compared.
+            // Linear deapodisation is divided out again below: the comparison is with the plain window.
             let (sigma, kernel) = (1.0, Kernel::Linear);
             let [x, y] =
                 Samples::of(&field, shift).map(|own| PaddedAxis::new(&own, sigma, 10.0, Some(kernel), 1.5));

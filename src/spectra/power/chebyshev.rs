@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-/// The `count` Chebyshev nodes of the first kind on 0 … `end`, growing.
+/// Returns the `count` Chebyshev nodes of the first kind on 0 … `end`, increasing.
 pub fn nodes(count: usize, end: f64) -> Vec<f64> {
     (0..count).map(|j| 0.5 * end * (1.0 - (PI * (j as f64 + 0.5) / count as f64).cos())).collect()
 }
 
-/// The matrix that takes values at [`nodes`] to coefficients a_k of Σ a_k T_k(x), x = 2z/`end` − 1: row k, column j.
+/// Returns the matrix from values at [`nodes`] to coefficients a_k of Σ a_k T_k(x), x = 2z/`end` − 1: row k, column j.
 pub fn coefficients_from_values(count: usize) -> Vec<Vec<f64>> {
     let n = count as f64;
     let entry = |k: usize, j: usize| {
@@ -18,7 +18,7 @@ pub fn coefficients_from_values(count: usize) -> Vec<Vec<f64>> {
     (0..count).map(|k| (0..count).map(|j| entry(k, j)).collect()).collect()
 }
 
-/// T_0(x) … T_{n−1}(x) into `values`.
+/// Writes T_0(x) … T_{n−1}(x) into `values`.
 pub fn polynomials(x: f64, values: &mut [f64]) {
     let (mut before, mut own) = (1.0, x);
     for value in values {

@@ -1,4 +1,4 @@
-//! The mean over coherence areas: what a pixel sees that covers many of them.
+//! The mean over coherence areas, seen by a pixel that covers many of them.
 //!
 //! Averaging |P|²/A over all positions of a Gaussian window leaves the power of each order m of the patch, blurred by the
 //! transform of the light's mutual coherence γ(Δ) = exp(−Δ²/4σ²) (Gaussian Schell model; Mandel and Wolf, *Optical Coherence

@@ -10,8 +10,7 @@ use rustfft::{Fft, FftPlanner};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Which orders of a patch are kept: a block of m around 0 along each axis. Order m = (i − origin) stands at column or row i,
-/// with f_y growing with the row.
+/// Block of kept orders m around 0 along each axis. Order m = (i − origin) stands at column or row i, with f_y growing with the row.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OrderGrid {
     /// Orders along m_x and m_y.
@@ -20,12 +19,12 @@ pub struct OrderGrid {
     pub origin: [usize; 2],
     /// Side lengths T_x, T_y of the patch \[µm\]: orders are 1/T apart.
     pub patch: [f64; 2],
-    /// Whether all orders that the samples hold are kept, so that the grid repeats beyond its ends.
+    /// True if all orders of the samples are kept, so that the grid repeats beyond its ends.
     pub periodic: [bool; 2],
 }
 
 impl OrderGrid {
-    /// The orders of `field` up to the frequency `band` \[µm⁻¹\] and `guard` \[µm⁻¹\] beyond, or all that its samples hold.
+    /// Returns the orders of `field` up to the frequency `band` \[µm⁻¹\] and `guard` \[µm⁻¹\] beyond, or all orders of its samples.
     pub fn new(field: &HeightField, band: f64, guard: f64) -> Self {
         let samples = [field.columns(), field.rows()];
         let patch = field.patch_size();
@@ -38,13 +37,13 @@ impl OrderGrid {
         }
     }
 
-    /// Number of orders kept.
+    /// Returns the number of orders.
     pub fn count(&self) -> usize {
         self.size[0] * self.size[1]
     }
 }
 
-/// The powers of the orders at one z.
+/// Powers of the orders at one z.
 #[derive(Clone, Debug)]
 pub struct OrderPowers {
     /// Power of the specular order, |⟨e^{izh}⟩|².
@@ -53,7 +52,7 @@ pub struct OrderPowers {
     pub powers: Vec<f64>,
 }
 
-/// Transforms one field at many z.
+/// Transforms of one field at many z.
 pub struct Transform<'a> {
     field: &'a HeightField,
     grid: OrderGrid,
@@ -66,7 +65,7 @@ pub struct Transform<'a> {
 }
 
 impl<'a> Transform<'a> {
-    /// For the orders `grid` of `field`.
+    /// Plans the transforms for the orders `grid` of `field`.
     pub fn new(field: &'a HeightField, grid: OrderGrid, beyond: Beyond) -> Self {
         let mut planner = FftPlanner::new();
         let (low, high) = field.range();
@@ -87,26 +86,26 @@ impl<'a> Transform<'a> {
         }
     }
 
-    /// The height field.
+    /// Returns the height field.
     pub fn field(&self) -> &HeightField {
         self.field
     }
 
-    /// The orders that are kept.
+    /// Returns the kept orders.
     pub fn grid(&self) -> &OrderGrid {
         &self.grid
     }
 
-    /// Asks for the memory that [`Transform::at`] takes.
+    /// Checks that there is memory for [`Transform::at`].
     ///
     /// # Errors
-    /// Where it is not there.
+    /// Too little memory.
     pub fn ensure_room(&self) -> Result<()> {
         let bytes = (self.field.rows() * self.grid.size[0] + self.grid.count()) * size_of::<Complex64>();
         memory::ensure_room(bytes as u64, "the transforms of the heights")
     }
 
-    /// The specular amplitude at z \[rad/µm\], the mean of e^{iz(h − middle)} over the taper's power.
+    /// Returns the specular amplitude at z \[rad/µm\], the mean of e^{iz(h − middle)} over the taper's power.
     fn mean(&self, z: f64) -> Complex64 {
         let rows: Vec<Complex64> = (0..self.field.rows())
             .into_par_iter()
@@ -120,7 +119,7 @@ impl<'a> Transform<'a> {
         rows.iter().sum::<Complex64>() / (self.field.columns() * self.field.rows()) as f64
     }
 
-    /// The powers at z \[rad/µm\].
+    /// Returns the powers at z \[rad/µm\].
     pub fn at(&self, z: f64) -> OrderPowers {
         let (columns, rows) = (self.field.columns(), self.field.rows());
         let [kept_x, kept_y] = self.grid.size;
@@ -165,16 +164,16 @@ impl<'a> Transform<'a> {
     }
 }
 
-/// Power of an order, where all orders together have 1, below which there is only what the rounding of a transform leaves. Without it a flat
-/// surface has the colours of rounding, and takes as many cubics to hold them as the highest one.
+/// Power of an order, relative to the sum of all, below which it is the rounding of a transform. Without this limit a flat surface has the
+/// colours of rounding, and takes as many cubics to hold them as the highest one.
 const ROUNDING: f64 = 1e-24;
 
-/// Bin of a transform of `samples` that holds order `place − origin`.
+/// Returns the bin of a transform of `samples` that holds order `place − origin`.
 fn wrapped(place: usize, origin: usize, samples: usize) -> usize {
     (place + samples - origin) % samples
 }
 
-/// Hann's window over `count` samples, scaled so that the mean of its square is 1; a single sample has no taper.
+/// Returns Hann's window over `count` samples, scaled so that the mean of its square is 1; a single sample has no taper.
 pub(super) fn hann(count: usize) -> Vec<f64> {
     let window = |i: usize| (PI * (i as f64 + 0.5) / count as f64).sin().powi(2);
     let power: f64 = (0..count).map(|i| window(i).powi(2)).sum::<f64>() / count as f64;
@@ -225,7 +224,7 @@ mod tests {
         }
     }
 
-    /// J_m(x) = (1/π) ∫ cos(mτ − x sin τ) dτ over 0 … π.
+    /// Returns J_m(x) = (1/π) ∫ cos(mτ − x sin τ) dτ over 0 … π.
     fn bessel(m: i64, x: f64) -> f64 {
         const STEPS: usize = 4000;
         let at = |i: usize| {

@@ -1,5 +1,5 @@
-//! Levels of the orders for averages over many of them, as mip levels are of a texture: each is a Gaussian blur of the one below at
-//! half the points along one axis or both. A wider Gaussian is then a short sum over a level's points.
+//! Levels of the orders for averages over many of them, like mip levels of a texture: each is a Gaussian blur of the one below at half the
+//! points along one axis or both. A wider Gaussian is then a short sum over a level's points.
 
 use super::orders::OrderGrid;
 use super::series::OrderSeries;
@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 /// Accuracy of a pyramid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Downsampling {
-    /// Standard deviation b of a level's blur, and least one of the Gaussian that reads it, over the distance of its points. Aliases are
-    /// exp(−π²b²) of the sum at most: those of lags where both blurs together leave most.
+    /// Standard deviation b of a level's blur, and least one of the Gaussian that reads it, over the distance of its points. Aliases are at
+    /// most exp(−π²b²) of the sum, at the lags that both blurs together attenuate least.
     pub blur: f64,
     /// Standard deviations within which a Gaussian is summed.
     pub reach: f64,
@@ -44,8 +44,8 @@ impl GridLine {
         usize::try_from(place).ok().filter(|&i| i < self.size)
     }
 
-    /// Returns about every second point, as far as a Gaussian that ends `reach` points away carries anything, and the ratio of the
-    /// distances between points. A line that wraps around has a whole number of them.
+    /// Returns about every second point, as far as a Gaussian that ends `reach` points away is not zero, and the ratio of the distances
+    /// between points. A line that wraps around has a whole number of them.
     fn halved(&self, reach: f64) -> (Self, f64) {
         if self.wraps {
             let size = self.size.div_ceil(2);
@@ -77,7 +77,7 @@ impl LevelGrid {
         Self { lines: [line(0), line(1)], step: [1.0; 2], variance: [0.0; 2] }
     }
 
-    /// Returns the variance that is left along an axis to a Gaussian of variance `asked` \[orders²\], where it is wide enough to be
+    /// Returns the remaining variance along an axis for a Gaussian of variance `asked` \[orders²\]; `None` if it is too narrow to be
     /// sampled by the points.
     pub fn left(&self, axis: usize, asked: f64, blur: f64) -> Option<f64> {
         let left = asked - self.variance[axis];
@@ -132,7 +132,7 @@ impl Pyramid {
         PyramidLevel { grid, terms: series.terms, series: series.coefficients() }
     }
 
-    /// Number of levels, the orders included.
+    /// Returns the number of levels, the orders included.
     pub fn count(&self) -> usize {
         self.levels.len() + 1
     }
@@ -146,13 +146,13 @@ impl Pyramid {
         PyramidLevel { grid: *grid, terms: series.terms, series: values }
     }
 
-    /// Points of a level.
+    /// Returns the points of a level.
     pub fn grid(&self, number: usize) -> &LevelGrid {
         number.checked_sub(1).map_or(&self.orders, |i| &self.levels[i].0)
     }
 
-    /// Returns the axes along which the next level has half the points: those along which they stand closest, in frequency. `None` where
-    /// few are left.
+    /// Returns the axes along which the next level has half the points: those along which they stand closest, in frequency. `None` if few
+    /// are left.
     fn axes_to_halve(&self, series: &OrderSeries) -> Option<[bool; 2]> {
         /// Points along the longer side of the last level.
         const FEWEST: usize = 32;
@@ -196,7 +196,7 @@ fn downsampled(below: &PyramidLevel<'_>, halved: [bool; 2], accuracy: Downsampli
         let mut blur = 0.0;
         let (mut next, mut ratio) = (line, 1.0);
         if halved[axis] {
-            // The blur of twice the distance of points, less what the level below has. The ratio is close to 2.
+            // Variance of the blur of twice the distance of points, less that of the level below. The ratio is close to 2.
             let own = below.grid.variance[axis] / (step * step);
             let widest = (2.0 * accuracy.blur).powi(2) - own;
             (next, ratio) = line.halved(accuracy.reach * widest.sqrt());

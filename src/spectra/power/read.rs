@@ -110,7 +110,7 @@ impl AxisTaps {
         (self.first[i], &self.weights[i * self.count..(i + 1) * self.count])
     }
 
-    /// True if no place reads anything.
+    /// Returns true if no place reads anything.
     fn is_dark(&self) -> bool {
         self.weights.iter().all(|weight| *weight == 0.0)
     }
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_read_is_the_blurred_sum_over_the_orders() {
-        // What the audited series and the cut of the Gaussian leave.
+        // Error of the audited series and of the cut-off of the Gaussian.
         const ALLOWED: f64 = 2e-3;
         // With the lag window, whose blur follows the sides of the patch, and with pixels that are not square, the axes differ.
         for (pixel, beyond) in

@@ -53,7 +53,7 @@ pub struct OrderSeries {
     pub blur: Blur,
     /// Largest |f_x|, |f_y| that the samples hold \[µm⁻¹\].
     pub band: [f64; 2],
-    /// Relative error between the nodes in z, measured on the surface; 0 where it was not asked for.
+    /// Relative error between the nodes in z, measured on the surface; 0 without an audit.
     pub error: f64,
     // [row][column][term], without the specular order.
     coefficients: Vec<f32>,
@@ -61,7 +61,7 @@ pub struct OrderSeries {
 
 /// Terms that vector registers take together.
 pub const TERMS_AT_ONCE: usize = 4;
-/// Most terms: heights of about 6 µm.
+/// Largest number of terms, sufficient for heights of about 6 µm.
 const MOST_TERMS: usize = 128;
 /// z between the nodes at which the audit compares series with transforms, as shares of the range. Both ends are among them.
 const AUDITED: [f64; 4] = [0.03, 0.35, 0.7, 0.997];
@@ -73,7 +73,7 @@ const JUDGED_POWER: f64 = 1e-5;
 /// Standard deviations of the blur that are held beyond the visible frequencies: e^(−8) of an order reaches farther.
 const GUARD: f64 = 4.0;
 
-/// Least size of the series of a surface.
+/// Lower bound of the size of a surface's series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Estimate {
     /// Terms in z.
@@ -266,7 +266,7 @@ impl OrderSeries {
     }
 }
 
-/// More orders than any picture tells apart.
+/// Number of orders above those that any picture resolves.
 pub const EVEN: f64 = 1e6;
 
 /// Returns the orders that light of `settings` sends into visible directions.

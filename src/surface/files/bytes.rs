@@ -1,18 +1,18 @@
-//! Numbers and texts from bytes that may end too soon.
+//! Numbers and texts from bytes that may end too early.
 
 use crate::error::{Error, Result};
 use half::f16;
 
-/// The order of the bytes of a number.
+/// Byte order of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// The least significant byte first (Intel).
+    /// Least significant byte first (Intel).
     Little,
-    /// The most significant byte first (Motorola).
+    /// Most significant byte first (Motorola).
     Big,
 }
 
-/// How a sample is stored.
+/// Type of a stored sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say it: signed, unsigned, floating-point, with their bits")]
 pub enum Number {
@@ -30,7 +30,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// Bytes of one sample.
+    /// Returns the size of one sample \[bytes\].
     pub fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -40,12 +40,12 @@ impl Number {
         }
     }
 
-    /// Whether samples are floating-point numbers.
+    /// Returns true for floating-point types.
     pub fn is_float(self) -> bool {
         matches!(self, Self::F16 | Self::F32 | Self::F64)
     }
 
-    /// The largest number of an integer type; infinity for floating-point numbers.
+    /// Returns the largest number of an integer type; infinity for floating-point numbers.
     pub fn largest(self) -> f64 {
         match self {
             Self::I8 => f64::from(i8::MAX),
@@ -60,7 +60,7 @@ impl Number {
         }
     }
 
-    /// All numbers in `bytes`; what is left over at the end is ignored.
+    /// Decodes all numbers in `bytes`; an incomplete one at the end is ignored.
     pub fn decode(self, bytes: &[u8], order: Order) -> Vec<f64> {
         match self {
             Self::I8 => bytes.iter().map(|b| f64::from(*b as i8)).collect(),
@@ -90,7 +90,7 @@ fn each<const N: usize>(bytes: &[u8], order: Order, read: impl Fn([u8; N]) -> f6
     bytes.chunks_exact(N).map(number).collect()
 }
 
-/// Reads one thing after the other.
+/// Reader of one number or text after the other.
 #[derive(Clone, Debug)]
 pub struct Cursor<'a> {
     bytes: &'a [u8],
@@ -99,28 +99,28 @@ pub struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// Starts at the first of `bytes`.
+    /// Returns a reader that starts at the first of `bytes`.
     pub fn new(bytes: &'a [u8], order: Order) -> Self {
         Self { bytes, place: 0, order }
     }
 
-    /// The same bytes, to be read from `place` on.
+    /// Returns a reader of the same bytes from `place` on.
     #[must_use]
     pub fn at(&self, place: usize) -> Self {
         Self { place, ..self.clone() }
     }
 
-    /// Bytes that were read or skipped.
+    /// Returns the number of bytes that were read or skipped.
     pub fn place(&self) -> usize {
         self.place
     }
 
-    /// Bytes that are left.
+    /// Returns the number of bytes that are left.
     pub fn left(&self) -> usize {
         self.bytes.len().saturating_sub(self.place)
     }
 
-    /// The next `count` bytes.
+    /// Reads the next `count` bytes.
     ///
     /// # Errors
     /// Fewer are left.
@@ -140,47 +140,47 @@ impl<'a> Cursor<'a> {
         Ok(bytes)
     }
 
-    /// A byte.
+    /// Reads a byte.
     pub fn u8(&mut self) -> Result<u8> {
         self.array().map(|[b]: [u8; 1]| b)
     }
 
-    /// Two bytes, unsigned.
+    /// Reads two bytes, unsigned.
     pub fn u16(&mut self) -> Result<u16> {
         self.array().map(u16::from_le_bytes)
     }
 
-    /// Two bytes, signed.
+    /// Reads two bytes, signed.
     pub fn i16(&mut self) -> Result<i16> {
         self.array().map(i16::from_le_bytes)
     }
 
-    /// Four bytes, unsigned.
+    /// Reads four bytes, unsigned.
     pub fn u32(&mut self) -> Result<u32> {
         self.array().map(u32::from_le_bytes)
     }
 
-    /// Four bytes, signed.
+    /// Reads four bytes, signed.
     pub fn i32(&mut self) -> Result<i32> {
         self.array().map(i32::from_le_bytes)
     }
 
-    /// A number of single precision.
+    /// Reads a number of single precision.
     pub fn f32(&mut self) -> Result<f64> {
         self.array().map(f32::from_le_bytes).map(f64::from)
     }
 
-    /// A number of double precision.
+    /// Reads a number of double precision.
     pub fn f64(&mut self) -> Result<f64> {
         self.array().map(f64::from_le_bytes)
     }
 
-    /// A text in a field of `width` bytes: up to the first NUL, without white space around it.
+    /// Reads a text in a field of `width` bytes: up to the first NUL, without white space around it.
     pub fn text(&mut self, width: usize) -> Result<String> {
         Ok(text(self.take(width)?))
     }
 
-    /// A text in a field of `width` UTF-16 units, little-endian, up to the first zero.
+    /// Reads a text in a field of `width` UTF-16 units, little-endian, up to the first zero.
     pub fn wide_text(&mut self, width: usize) -> Result<String> {
         let units = self.take(width * 2)?.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]]));
         let units: Vec<u16> = units.take_while(|unit| *unit != 0).collect();
@@ -188,13 +188,13 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// The text in a field of fixed width: up to the first NUL, without white space around it; UTF-8 or Latin-1.
+/// Returns the text in a field of fixed width: up to the first NUL, without white space around it; UTF-8 or Latin-1.
 pub fn text(field: &[u8]) -> String {
     let end = field.iter().position(|b| *b == 0).unwrap_or(field.len());
     decode_text(&field[..end]).trim().to_owned()
 }
 
-/// Bytes as a text: UTF-8 where they are that, else Latin-1, in which every byte is a character.
+/// Decodes bytes as UTF-8 if they are valid, otherwise as Latin-1, in which every byte is a character.
 pub fn decode_text(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
@@ -202,12 +202,12 @@ pub fn decode_text(bytes: &[u8]) -> String {
     }
 }
 
-/// The file ends before it should.
+/// Returns the error of a file that ends too early.
 pub fn cut_short() -> Error {
     Error::failed("is cut short", "save or copy the file again")
 }
 
-/// The file contradicts itself or its format.
+/// Returns the error of a file that contradicts itself or its format.
 pub fn damaged(what: impl std::fmt::Display) -> Error {
     Error::failed(format!("is damaged: {what}"), "save or copy the file again")
 }

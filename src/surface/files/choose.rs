@@ -1,4 +1,4 @@
-//! Which channel of a file is the surface.
+//! Choice of the channel of a file that is the surface.
 
 use super::scan::{Channel, Quantity, Scan};
 use crate::error::{Error, Remedy, Result};
@@ -22,11 +22,11 @@ const OTHERS: [&str; 12] = [
     "dissipation",
 ];
 
-/// The number of the channel that is the surface: the one called `name` (or of that number, from 1), or else the first
-/// that is a height by its unit and its name.
+/// Returns the index of the channel that is the surface: the one called `name` (or of that number, from 1), or else the first that is a
+/// height by its unit and its name.
 ///
 /// # Errors
-/// No such channel; no name given where none is a height or a grey image.
+/// No such channel; no name given and no channel that is a height or a grey image.
 pub fn choose(scan: &Scan, name: Option<&str>) -> Result<usize> {
     let channels = &scan.channels;
     if let Some(name) = name {
@@ -70,7 +70,7 @@ fn names(channels: &[Channel]) -> String {
     channels.iter().enumerate().map(name).collect::<Vec<_>>().join(", ")
 }
 
-/// A unit, for people.
+/// Returns a unit for messages.
 pub fn unit(unit: &str) -> &str {
     if unit.is_empty() { "no unit" } else { unit }
 }

@@ -1,8 +1,8 @@
 //! Digital Surf's surfaces (.sur), plain or compressed.
 //!
-//! A header of 512 bytes, a comment, a private zone, then integers row by row from the top. The step of each axis has its own
-//! unit. Compressed files (`DSCOMPRESSED`) have zlib streams for the integers. Facts after Digital Surf's *Surf file format*
-//! and the readers of Gwyddion and RosettaSciIO.
+//! A header of 512 bytes, a comment, a private zone, then integers row by row from the top. The step of each axis has a separate unit.
+//! Compressed files (`DSCOMPRESSED`) have zlib streams for the integers. Sources: Digital Surf's *Surf file format* and the readers of
+//! Gwyddion and RosettaSciIO.
 
 use super::bytes::{Cursor, Number, Order, cut_short, damaged};
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
@@ -13,22 +13,22 @@ use flate2::read::ZlibDecoder;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// How a plain file begins.
+/// First bytes of a plain file.
 pub const MAGIC: &[u8] = b"DIGITAL SURF";
-/// How a compressed file begins.
+/// First bytes of a compressed file.
 pub const COMPRESSED_MAGIC: &[u8] = b"DSCOMPRESSED";
 
 /// Bytes of the header.
 const HEADER: usize = 512;
 /// The number in `format` of files whose numbers have their most significant byte first.
 const MACINTOSH: u16 = 257;
-/// Streams of a compressed file; real ones have one for each core.
+/// Largest number of streams of a compressed file; real files have one for each core.
 const MOST_STREAMS: u32 = 1 << 16;
 
-/// The file in `bytes`. Several surfaces in one file are channels.
+/// Reads the file in `bytes`. Several surfaces in one file are channels.
 ///
 /// # Errors
-/// A profile or a picture instead of a surface; fewer samples than it promises.
+/// A profile or a picture instead of a surface; fewer samples than the header promises.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let mut channels = Vec::new();
     let mut rest = bytes;
@@ -42,7 +42,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         let (channel, end) = surface(rest, &header, channels.len())?;
         channels.push(channel);
         rest = &rest[end..];
-        // What is counted may be of another kind behind the surfaces.
+        // The objects that the header counts may include other kinds behind the surfaces.
         if !(rest.starts_with(MAGIC) || rest.starts_with(COMPRESSED_MAGIC)) {
             break;
         }
@@ -63,7 +63,7 @@ struct DigitalSurfHeader {
     name: String,
     step_units: [String; 3],
     height_offset: f64,
-    /// Where the samples begin.
+    /// Offset of the samples in the file \[bytes\].
     data: usize,
 }
 
@@ -95,8 +95,10 @@ impl DigitalSurfHeader {
         })
     }
 
+    /// Checks that the object is a surface.
+    ///
     /// # Errors
-    /// A kind of object that is no surface.
+    /// Another kind of object.
     fn check_kind(&self) -> Result<()> {
         let what = match self.kind {
             3 => "a picture of two colours",
@@ -110,7 +112,7 @@ impl DigitalSurfHeader {
     }
 }
 
-/// The surface that `bytes` begin with, and where it ends.
+/// Returns the surface at the beginning of `bytes`, and the offset of its end.
 fn surface<'a>(bytes: &'a [u8], header: &DigitalSurfHeader, i: usize) -> Result<(Channel<'a>, usize)> {
     header.check_kind()?;
     let [columns, rows] = header.counts.map(|n| u64::try_from(n).unwrap_or(0));
@@ -134,7 +136,7 @@ fn surface<'a>(bytes: &'a [u8], header: &DigitalSurfHeader, i: usize) -> Result<
     let block = Block {
         bytes: data,
         scale: [header.steps[2] * unit, offset * unit],
-        // Two below the lowest code stands for what was not measured.
+        // The code two below the lowest one marks samples that were not measured.
         missing: header.special_points.then(|| f64::from(header.lowest) - 2.0),
         ..Block::plain(&[], number, header.order)
     };
@@ -151,7 +153,7 @@ fn surface<'a>(bytes: &'a [u8], header: &DigitalSurfHeader, i: usize) -> Result<
     Ok((channel, header.data + used))
 }
 
-/// `count` bytes from the streams that `bytes` begin with, and how long those are.
+/// Decompresses `count` bytes from the streams at the beginning of `bytes`, and returns the length of the streams as well.
 fn inflate(bytes: &[u8], order: Order, count: usize) -> Result<(Cow<'static, [u8]>, usize)> {
     let mut cursor = Cursor::new(bytes, order);
     let streams = cursor.u32()?;
@@ -161,7 +163,7 @@ fn inflate(bytes: &[u8], order: Order, count: usize) -> Result<(Cow<'static, [u8
     let lengths = (0..streams).map(|_| Ok((cursor.u32()? as usize, cursor.u32()? as usize)));
     let lengths: Vec<(usize, usize)> = lengths.collect::<Result<_>>()?;
     let total = lengths.iter().fold(0_usize, |sum, (raw, _)| sum.saturating_add(*raw));
-    /// More than zlib can pack into a byte.
+    /// Largest compression ratio of zlib, rounded up.
     const DENSEST: usize = 1100;
     if total < count || bytes.len().saturating_mul(DENSEST) < count {
         return Err(damaged("its streams hold fewer samples than its header counts"));

@@ -4,7 +4,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::io::Write;
 
-/// A header by hand, numbers in `order`.
+/// Returns a hand-made header, numbers in `order`.
 fn header(magic: &[u8], order: Order, bits: u16, zone: u16) -> Vec<u8> {
     let mut bytes = vec![b' '; HEADER];
     bytes[12..130].fill(0);
@@ -77,7 +77,7 @@ fn packed(data: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// A compressed file whose samples are in two streams; the first claims to hold `claimed` bytes.
+/// Returns a compressed file whose samples are in two streams; the first claims to hold `claimed` bytes.
 fn compressed(claimed: usize) -> Vec<u8> {
     let data = samples(Order::Little, 32);
     let streams = [packed(&data[..10]), packed(&data[10..])];

@@ -10,16 +10,16 @@ use super::units;
 use crate::error::Result;
 use std::io::{self, Write};
 
-/// How a file begins.
+/// First bytes of a file.
 pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 
-/// Where data may start.
+/// Alignment of the data in the file \[bytes\].
 const ALIGNMENT: usize = 4;
 
-/// The file in `bytes`.
+/// Reads the file in `bytes`.
 ///
 /// # Errors
-/// A header without sizes; fewer samples than it promises.
+/// A header without sizes; fewer samples than the header promises.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let end = bytes.iter().position(|b| *b == 0).ok_or_else(cut_short)?;
     let header = decode_text(bytes.get(MAGIC.len()..end).ok_or_else(cut_short)?);

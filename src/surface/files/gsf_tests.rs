@@ -2,7 +2,7 @@ use super::super::testing::{BOTTOM, TOP, assert_robust, assert_rows, only, whole
 use super::super::topography::Spacing;
 use super::*;
 
-/// A file by hand: `header` lines, NUL up to a multiple of four, the floats.
+/// Returns a hand-made file: `header` lines, NUL up to a multiple of four, the floats.
 fn file(header: &str, rows: &[f64]) -> Vec<u8> {
     let mut bytes = [MAGIC, header.as_bytes(), b"\0"].concat();
     bytes.resize(bytes.len().next_multiple_of(4), 0);

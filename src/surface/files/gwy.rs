@@ -1,8 +1,8 @@
-//! Gwyddion's own files (.gwy): a tree of named and typed components, of which some are data fields.
+//! Gwyddion's native files (.gwy): a tree of named and typed components, some of which are data fields.
 //!
-//! Format: <http://gwyddion.net/documentation/user-guide-en/gwyfile-format.html>. All numbers are little-endian. A data field
-//! stands at `/N/data` with its title at `/N/data/title`; rows run from the top; units are base SI. A mask at `/N/mask` marks
-//! samples for Gwyddion's tools and does not make them invalid.
+//! Format: <http://gwyddion.net/documentation/user-guide-en/gwyfile-format.html>. All numbers are little-endian. A data field stands at
+//! `/N/data` with its title at `/N/data/title`; rows run from the top; units are base SI. A mask at `/N/mask` marks samples for Gwyddion's
+//! tools and does not make them invalid.
 
 use super::bytes::{Cursor, Number, Order, damaged, decode_text};
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
@@ -11,12 +11,12 @@ use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// How a file of Gwyddion 2 begins.
+/// First bytes of a file of Gwyddion 2.
 pub const MAGIC: &[u8] = b"GWYP";
-/// How a file of Gwyddion 1 begins.
+/// First bytes of a file of Gwyddion 1.
 pub const OLD_MAGIC: &[u8] = b"GWYO";
 
-/// The file in `bytes`.
+/// Reads the file in `bytes`.
 ///
 /// # Errors
 /// A file of Gwyddion 1, one without data fields, one whose sizes contradict each other.
@@ -53,7 +53,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Scan::of_readable("Gwyddion", channels.collect())
 }
 
-/// The data field in `body`.
+/// Reads the data field in `body`.
 fn field(body: &[u8], name: String) -> Result<Channel<'_>> {
     let mut counts = [None; 2];
     let mut sides = [None; 2];
@@ -89,10 +89,10 @@ fn field(body: &[u8], name: String) -> Result<Channel<'_>> {
     })
 }
 
-/// The text of a `GwySIUnit`.
+/// Returns the text of a `GwySIUnit`.
 fn unit_name(unit: &GwyObject) -> String {
     let mut name = String::new();
-    // A unit that is damaged is none.
+    // A damaged unit is read as none.
     let _ = components(unit.body, |key, value| {
         if let ("unitstr", GwyValue::Text(text)) = (key, value) {
             name = decode_text(text);
@@ -113,7 +113,7 @@ fn object<'a>(cursor: &mut Cursor<'a>) -> Result<GwyObject<'a>> {
     Ok(GwyObject { name, body: cursor.take(length)? })
 }
 
-/// The value of a component, as far as it is of use here.
+/// Value of a component, of the types that are read here.
 enum GwyValue<'a> {
     Int(i64),
     Double(f64),
@@ -167,7 +167,7 @@ fn value<'a>(cursor: &mut Cursor<'a>, kind: u8) -> Result<GwyValue<'a>> {
     })
 }
 
-/// The bytes up to the next NUL, which is skipped.
+/// Reads the bytes up to the next NUL, which is skipped.
 fn string<'a>(cursor: &mut Cursor<'a>) -> Result<&'a [u8]> {
     let rest = cursor.clone().take(cursor.left())?;
     let end = rest.iter().position(|b| *b == 0).ok_or_else(super::bytes::cut_short)?;
@@ -206,15 +206,15 @@ pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
     scan.metres().try_for_each(|h| file.write_all(&h.to_le_bytes()))
 }
 
-/// The components of a `GwySIUnit` that is the metre.
+/// Components of a `GwySIUnit` for the metre.
 const METRE: &[u8] = b"unitstr\0sm\0";
 
-/// A component, or its beginning.
+/// Encodes a component, or its beginning.
 fn component(key: &str, kind: u8, value: &[u8]) -> Vec<u8> {
     [key.as_bytes(), &[0, kind], value].concat()
 }
 
-/// An object whose components take `length` bytes and begin with `body`.
+/// Encodes an object whose components take `length` bytes and begin with `body`.
 fn object_of(name: &str, length: u32, body: &[u8]) -> Vec<u8> {
     [name.as_bytes(), &[0], &length.to_le_bytes()[..], body].concat()
 }

@@ -1,4 +1,4 @@
-//! Igor binary waves (.ibw) as Asylum Research's microscopes write them.
+//! Igor binary waves (.ibw) of Asylum Research's microscopes.
 //!
 //! Format: WaveMetrics, Technical Note 003 (version 5 of the file, which alone can hold images). x runs fastest, the first row is
 //! the bottom, and the third dimension counts channels. One data unit serves all of them, so that a channel's label decides
@@ -10,16 +10,16 @@ use super::units;
 use crate::error::{Error, Result};
 use std::borrow::Cow;
 
-/// Bytes of the file's and the wave's header, which the check sum is of.
+/// Bytes of the file's and the wave's header, over which the check sum is taken.
 const HEADERS: usize = 384;
-/// The file's version that can hold images.
+/// Version of files that can hold images.
 const VERSION: u16 = 5;
 /// Bytes of a dimension label.
 const LABEL: usize = 32;
-/// Channels of a wave; microscopes have at most a few dozen.
+/// Largest number of channels of a wave; microscopes have at most a few dozen.
 const MOST_CHANNELS: u64 = 1024;
 
-/// How names of Asylum's channels begin, and what their samples are, whatever the data unit says.
+/// First letters of the names of Asylum's channels, and the unit of their samples, whatever the data unit says.
 const ASYLUM: [(&str, &str); 10] = [
     ("Height", "m"),
     ("ZSensor", "m"),
@@ -33,7 +33,7 @@ const ASYLUM: [(&str, &str); 10] = [
     ("UserIn", "V"),
 ];
 
-/// The byte order of an Igor binary wave of a version that is known; `None` where `bytes` are none.
+/// Returns the byte order of an Igor binary wave of a known version; `None` if `bytes` are no such wave.
 pub fn recognise(bytes: &[u8]) -> Option<Order> {
     let &[a, b, ..] = bytes else { return None };
     let (order, version) = match (a, b) {
@@ -41,7 +41,7 @@ pub fn recognise(bytes: &[u8]) -> Option<Order> {
         (version, 0) => (Order::Little, version),
         _ => return None,
     };
-    // The two headers, of which the sum of 16-bit numbers is zero.
+    // The 16-bit numbers of the two headers sum to zero.
     let headers = match version {
         1 => 118,
         2 => 126,
@@ -54,7 +54,7 @@ pub fn recognise(bytes: &[u8]) -> Option<Order> {
     (sum == 0).then_some(order)
 }
 
-/// What is read of the headers.
+/// Contents of the headers that are read.
 struct IgorWave {
     number: Number,
     dimensions: [u64; 4],
@@ -66,10 +66,10 @@ struct IgorWave {
     tail: [usize; 11],
 }
 
-/// The file in `bytes`.
+/// Reads the file in `bytes`.
 ///
 /// # Errors
-/// Another version, a wave that is no image, fewer samples than it promises.
+/// Another version, a wave that is no image, fewer samples than the header promises.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let order = recognise(bytes)
         .ok_or_else(|| damaged("the check sum of its header is wrong, or it is cut short"))?;
@@ -98,7 +98,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(Scan::new("Igor binary wave", channels))
 }
 
-/// Fails for curves that stand beside each other: their columns have names, or their axes are of other quantities than lengths.
+/// Fails for curves in columns: the columns have names, or the axes are other quantities than lengths.
 fn check_axes(wave: &IgorWave, tail: &Tail) -> Result<()> {
     let choose = "choose an image file";
     if tail.has_named_columns {
@@ -115,7 +115,7 @@ fn check_axes(wave: &IgorWave, tail: &Tail) -> Result<()> {
 }
 
 fn header(cursor: &mut Cursor) -> Result<IgorWave> {
-    // File header: version, check sum, size of the wave, then the lengths of what stands behind the data.
+    // File header: version, check sum, size of the wave, then the lengths of the parts behind the data.
     cursor.take(2 + 4)?;
     let mut tail = [0; 11];
     for length in &mut tail {
@@ -160,13 +160,13 @@ fn sample_type(kind: u16) -> Result<Number> {
     })
 }
 
-/// What stands behind the data.
+/// Contents of the file behind the data.
 struct Tail {
     note: String,
     data_unit: String,
     lateral_units: [String; 2],
     labels: Vec<String>,
-    /// True if every column has a name, beside that of the dimension.
+    /// True if every column has a name in addition to that of the dimension.
     has_named_columns: bool,
 }
 
@@ -219,8 +219,8 @@ fn channel<'a>(
     })
 }
 
-/// The unit of Asylum's channel `label`: a line of the note, or else what its name stands for. `None` without a note: the wave
-/// is not Asylum's.
+/// Returns the unit of Asylum's channel `label`: from a line of the note, otherwise from its name. `None` without a note: the wave is not
+/// Asylum's.
 fn asylum_unit(label: &str, note: &str) -> Option<String> {
     if note.is_empty() {
         return None;

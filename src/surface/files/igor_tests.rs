@@ -19,7 +19,7 @@ impl Writer {
     }
 }
 
-/// A wave of 3 × 2 samples by hand, bottom row first; `labels` name its channels.
+/// Returns a hand-made wave of 3 × 2 samples, bottom row first; `labels` name its channels.
 fn file(order: Order, kind: u16, unit: &str, labels: &[&str], note: &str) -> Vec<u8> {
     let mut w = Writer(order, Vec::new());
     w.put(5_u16.to_le_bytes());

@@ -12,20 +12,20 @@ use image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageForma
 use std::io::Cursor;
 use std::path::Path;
 
-/// How a PNG begins.
+/// First bytes of a PNG.
 pub const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// The largest code of a 16-bit image.
 const LARGEST_CODE: f64 = u16::MAX as f64;
 
-/// What a decoder may take beside the picture itself: a compressed block, a colour profile, a comment.
+/// Memory of a decoder beside the picture itself: a compressed block, a colour profile, a comment \[bytes\].
 const DECODER_ROOM: u64 = 64 << 20;
 
-/// What to do about a file whose pixels are no plain grey codes.
+/// Remedy for a file whose pixels are no plain grey codes.
 const EXPORT_GREY: &str = "export it as 8- or 16-bit grey PNG or TIFF";
 
-/// The image in `bytes`, an 8- or 16-bit PNG or TIFF, grey or with equal colour channels; alpha is ignored. Of a file with
-/// several pages the first one counts. The orientation that the file asks for is applied.
+/// Reads the image in `bytes`, an 8- or 16-bit PNG or TIFF, grey or with equal colour channels; alpha is ignored. Only the first page of
+/// several is read. The orientation that the file asks for is applied.
 ///
 /// # Errors
 /// A file that is damaged, of another format or pixel type, coloured, larger than [`MAX_SIDE`] on a side or than the memory.
@@ -48,9 +48,9 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(Scan::single(if format == ImageFormat::Png { "PNG" } else { "TIFF" }, channel))
 }
 
-/// Writes `field` as a 16-bit grey image, PNG or TIFF by the extension of `path`, and returns the full height \[µm\]:
-/// what the largest code means. The lowest height becomes code 0, the highest 65535; a flat field is code 0 all over and
-/// has full height 0. The file appears whole or not at all.
+/// Writes `field` as a 16-bit grey image, PNG or TIFF by the extension of `path`, and returns the full height \[µm\], that of the largest
+/// code. The lowest height becomes code 0, the highest 65535; a flat field is code 0 all over and has full height 0. The file appears whole
+/// or not at all.
 ///
 /// # Errors
 /// Another extension; heights too far apart for a number; a place that cannot be written to.
@@ -80,7 +80,7 @@ pub fn write(path: &Path, field: &HeightField) -> Result<f64> {
     Ok(full_height)
 }
 
-/// Whether `path` is named like an image.
+/// Returns true if the extension of `path` is that of an image.
 pub fn is_named(path: &Path) -> bool {
     format_by_extension(path).is_ok()
 }
@@ -97,12 +97,12 @@ fn format_by_extension(path: &Path) -> Result<ImageFormat> {
     }
 }
 
-/// Whether `bytes` begin like a TIFF, of 32 or 64 bits (BigTIFF), in either byte order.
+/// Returns true if `bytes` begin with the mark of a TIFF, of 32 or 64 bits (BigTIFF), in either byte order.
 pub fn is_tiff(bytes: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| bytes.starts_with(*magic))
 }
 
-/// The decoded picture, after everything that can be checked before decoding.
+/// Decodes the picture, after all checks that need no decoding.
 fn decode(bytes: &[u8]) -> Result<(ImageFormat, DynamicImage)> {
     let reader = Cursor::new(bytes);
     if is_tiff(bytes) {
@@ -132,7 +132,7 @@ fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
     let heights = u64::from(columns) * u64::from(rows) * size_of::<f64>() as u64;
     memory::ensure_room(decoded.saturating_add(heights), &format!("an image of {columns} x {rows} pixels"))?;
     let orientation = decoder.orientation().map_err(|e| explain(&e))?;
-    // Decoders count the picture's buffer too, and once more where they convert it.
+    // Decoders count the picture's buffer too, twice if they convert it.
     decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(|e| explain(&e))?;
     let mut image = DynamicImage::from_decoder(decoder).map_err(|e| explain(&e))?;
     image.apply_orientation(orientation);
@@ -147,7 +147,7 @@ fn limits(bytes: u64) -> Limits {
     limits
 }
 
-/// Every pixel's grey as a share of the format's largest code, row by row.
+/// Returns every pixel's grey as a share of the format's largest code, row by row.
 fn grey_codes(image: &DynamicImage) -> Result<Vec<f64>> {
     match image {
         DynamicImage::ImageLuma8(p) => shares(p, 1, 1, p.width()),
@@ -162,7 +162,7 @@ fn grey_codes(image: &DynamicImage) -> Result<Vec<f64>> {
     }
 }
 
-/// The first of `channels` samples of every pixel as a share of the largest code, if the first `colours` are equal.
+/// Returns the first of `channels` samples of every pixel as a share of the largest code, if the first `colours` are equal.
 fn shares<S: IntegerSample>(
     samples: &[S],
     channels: usize,
@@ -181,7 +181,7 @@ fn shares<S: IntegerSample>(
             "a height image is grey; ".to_owned() + EXPORT_GREY,
         ))
     };
-    // Room for all at once: what grows by doubling takes half as much again.
+    // Reserves all at once: a vector that grows by doubling takes half as much again.
     let mut shares = Vec::with_capacity(samples.len() / channels);
     for pixel in samples.chunks_exact(channels).enumerate() {
         shares.push(share(pixel)?);
@@ -211,7 +211,7 @@ fn too_large(what: &str) -> Error {
     Error::failed(format!("{what} are more than {MAX_SIDE} on a side"), "crop it or average it down")
 }
 
-/// A decoder's message in the words of this program.
+/// Converts a decoder's message into an error of this program.
 fn explain(cause: &ImageError) -> Error {
     match cause {
         ImageError::Unsupported(_) => Error::failed(format!("cannot be used: {cause}"), EXPORT_GREY),

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 const PIXEL: [f64; 2] = [0.1, 0.1];
 
-/// The image at `path` as a height field.
+/// Reads the image at `path` as a height field.
 fn read(path: &Path, pixel_size: [f64; 2], full_height: f64) -> Result<HeightField> {
     read_file(path, &ReadSettings { pixel_size: Some(pixel_size), height: Some(full_height), channel: None })?
         .into_field()
@@ -32,14 +32,14 @@ fn refusal(path: &Path) -> String {
     text
 }
 
-/// A slope to the right with one high sample in the top left corner, so that every flip shows.
+/// Returns a slope to the right with one high sample in the top left corner, so that every flip shows.
 fn lopsided() -> HeightField {
     let mut heights: Vec<f64> = (0..12 * 7).map(|i| -0.3 + 0.01 * (i % 12) as f64).collect();
     heights[0] = 0.2;
     HeightField::new(12, 7, PIXEL, heights).unwrap()
 }
 
-/// A PNG chunk with its check sum.
+/// Returns a PNG chunk with its check sum.
 fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let body = [&kind[..], data].concat();
     let mut crc = !0_u32;
@@ -58,7 +58,7 @@ fn png_header(columns: u32, rows: u32, bits: u8, colour: u8) -> Vec<u8> {
     [&b"\x89PNG\r\n\x1a\n"[..], &ihdr].concat()
 }
 
-/// A zlib stream of one stored block.
+/// Returns a zlib stream of one stored block.
 fn stored(data: &[u8]) -> Vec<u8> {
     let (mut a, mut b) = (1_u32, 0_u32);
     for byte in data {
@@ -70,7 +70,7 @@ fn stored(data: &[u8]) -> Vec<u8> {
     [&head[..], data, &(b << 16 | a).to_be_bytes()].concat()
 }
 
-/// An uncompressed little-endian TIFF of one strip: entries of tag, type, count and value.
+/// Returns an uncompressed little-endian TIFF of one strip: entries of tag, type, count and value.
 fn tiff(columns: u32, rows: u32, bits: u32, format: u32, data: &[u8]) -> Vec<u8> {
     let entries: [(u16, u32); 10] = [
         (256, columns),
@@ -127,7 +127,7 @@ fn a_flat_field_is_code_zero_of_full_height_zero() {
 #[test]
 fn black_is_zero_and_the_largest_code_of_each_depth_is_the_full_height() {
     let folder = folder();
-    let path = folder.path().join("image.dat"); // the content says what it is
+    let path = folder.path().join("image.dat"); // the content tells the format
     let eight = GrayImage::from_raw(3, 1, vec![0, 51, 255]).unwrap();
     let sixteen: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(3, 1, vec![0_u16, 13107, 65535]).unwrap();
     for picture in [DynamicImage::from(eight), DynamicImage::from(sixteen)] {
@@ -190,7 +190,7 @@ fn every_truncation_is_an_error() {
         write(&path, &lopsided()).unwrap();
         let bytes = fs::read(&path).unwrap();
         for length in 1..bytes.len() - 12 {
-            // The last 12 bytes of a PNG are its end mark, which holds no heights.
+            // The last 12 bytes of a PNG are its end mark, without heights.
             let cut = file(&folder, "cut", &bytes[..length]);
             if name == "whole.png" {
                 refusal(&cut);

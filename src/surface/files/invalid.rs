@@ -2,16 +2,15 @@
 
 use crate::error::{Error, Result};
 
-/// The largest share of a scan that is filled: beyond it most heights would be made up.
+/// Largest share of missing samples: beyond it most heights would be invented.
 const MOST: f64 = 0.5;
 
-/// How [`fill`] works, for messages.
+/// Description of [`fill`], for messages.
 pub const METHOD: &str =
     "each is filled with the mean of its measured neighbours, from the rim of a gap inwards";
 
-/// Fills the `missing` NaN of `samples`, rows of `columns`: every one that has neighbours that are known, of the eight
-/// around it, becomes their mean; those count as known in the next round, until all are. Filled samples stay within the
-/// range of the measured ones.
+/// Fills the `missing` NaN of `samples`, rows of `columns`. Every NaN with known neighbours among the eight around it becomes their mean.
+/// Filled samples count as known in the next round, until all are filled. They stay within the range of the measured ones.
 ///
 /// # Errors
 /// More than half of the samples are missing.
@@ -47,7 +46,7 @@ pub fn fill(samples: &mut [f64], columns: usize, missing: usize) -> Result<()> {
     Ok(())
 }
 
-/// Returns the numbers of sample `i` and of its eight neighbours, as far as there are any.
+/// Returns the indices of sample `i` and of its up to eight neighbours.
 fn neighbours(count: usize, columns: usize, i: usize) -> impl Iterator<Item = usize> {
     let (row, column) = (i / columns, i % columns);
     let last = count / columns - 1;
@@ -56,7 +55,7 @@ fn neighbours(count: usize, columns: usize, i: usize) -> impl Iterator<Item = us
         .flat_map(move |r| across.clone().map(move |c| r * columns + c))
 }
 
-/// Returns the mean of the known ones of the eight neighbours.
+/// Returns the mean of the known samples among the eight neighbours.
 fn mean_around(samples: &[f64], columns: usize, i: usize) -> Option<f64> {
     let known = neighbours(samples.len(), columns, i).map(|i| samples[i]).filter(|x| !x.is_nan());
     let (sum, count) = known.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));

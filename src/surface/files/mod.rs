@@ -1,8 +1,8 @@
 //! Files of microscopes and of programs for surfaces: read into heights, and written.
 //!
-//! One module for each format turns bytes into a [`Scan`]: the channels with their sizes, units and distances. What is shared is
-//! here: a format is recognised by its content and then by its name, a channel is chosen, options and sidecars give the scales
-//! that are missing, and what was not measured is known. [`Topography`] is the result. `docs/SCANS.md` has the table of formats.
+//! One module for each format turns bytes into a [`Scan`]: the channels with their sizes, units and distances. The common steps are here: a
+//! format is recognised by its content and then by its name, a channel is chosen, options and sidecars give the scales that are missing,
+//! and samples that were not measured are known. [`Topography`] is the result. `docs/SCANS.md` has the table of formats.
 
 pub mod bytes;
 pub mod choose;
@@ -39,24 +39,24 @@ use std::io::Read;
 use std::path::Path;
 pub use topography::{ChannelInfo, FileSummary, ScanOrigin, Spacing, Topography};
 
-/// The largest file that is read \[bytes\]: several channels of the largest field in double precision.
+/// Largest file \[bytes\]: several channels of the largest field in double precision.
 pub const MAX_FILE: u64 = 8 << 30;
 
-/// What files can be given, for messages.
+/// Kinds of files that can be read, for messages.
 pub const KNOWN: &str =
     "a .gsf, .gwy, .spm, .ibw, .sur, .x3p, .sdf, .npy, .txt, .csv, .xyz, .tif or .png file";
 
 /// Micrometres of a metre.
 const UM: f64 = 1e6;
 
-/// How a file is read: the scales that it does not have or that replace its own, and which of its channels.
+/// Settings for reading a file: its channel, and scales that the file lacks or that replace the file's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadSettings<'a> {
     /// Distance of samples \[µm\], instead of the file's.
     pub pixel_size: Option<[f64; 2]>,
-    /// What the largest code of an image stands for; of heights with a scale of their own, what their range becomes \[µm\].
+    /// Height of the largest code of an image; for heights with a scale, their new range \[µm\].
     pub height: Option<f64>,
-    /// The channel by name, or by number from 1.
+    /// Channel by name, or by number from 1.
     pub channel: Option<&'a str>,
 }
 
@@ -73,28 +73,28 @@ pub fn read(path: &Path, settings: &ReadSettings) -> Result<Topography> {
 }
 
 impl HeightField {
-    /// The heights in the file `path` of a microscope or of a program for surfaces, or in a grey image, as `settings` says.
+    /// Reads the heights in the file `path` of a microscope or of a program for surfaces, or in a grey image.
     ///
     /// # Errors
-    /// As [`read`].
+    /// See [`read`].
     pub fn read(path: impl AsRef<Path>, settings: &ReadSettings) -> Result<Self> {
         read(path.as_ref(), settings)?.into_field()
     }
 }
 
-/// What the names of height files end in, without the dot.
+/// Extensions of the names of height files, without the dot.
 pub const EXTENSIONS: [&str; 14] =
     ["gsf", "gwy", "spm", "ibw", "sur", "x3p", "sdf", "npy", "txt", "csv", "xyz", "tif", "tiff", "png"];
 
 /// Reads a file that is in memory; `extension` is that of its name, in lower case.
 ///
 /// # Errors
-/// As [`read`].
+/// See [`read`].
 pub fn from_bytes(bytes: &[u8], extension: &str, settings: &ReadSettings) -> Result<Topography> {
     assemble(recognise(bytes, extension)?, settings, || Ok(Sidecar::default()))
 }
 
-/// All of a file.
+/// Reads all of a file.
 fn load(path: &Path) -> Result<Vec<u8>> {
     let file = input::open(path, KNOWN, MAX_FILE)?;
     let at = |e: Error| e.at(path.display());
@@ -104,17 +104,17 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     }
     memory::ensure_room(length, "the file").map_err(at)?;
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // The file may grow while it is read: the limit holds for what is read, too.
+    // The file may grow while it is read, so the limit applies to the read bytes as well.
     file.take(MAX_FILE)
         .read_to_end(&mut bytes)
         .map_err(|e| at(Error::failed(format!("cannot be read: {e}"), "check the disk")))?;
     Ok(bytes)
 }
 
-/// What `bytes` hold, by how they begin, and by the `extension` of the file's name where they do not say.
+/// Reads `bytes` in the format of their first bytes, or else in that of the `extension` of the file's name.
 ///
 /// # Errors
-/// No known format; whatever its reader says.
+/// No known format; errors of the format's reader.
 pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
     let begins = |magic: &[u8]| bytes.starts_with(magic);
     if begins(gsf::MAGIC) {
@@ -150,14 +150,14 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
     if igor::recognise(bytes).is_some() || extension == "ibw" {
         return igor::read(bytes);
     }
-    // Text has no mark, and no NUL.
+    // Text has no magic bytes, and no NUL.
     if bytes.contains(&0) {
         return Err(Error::failed("is of no known format", format!("give {KNOWN}")));
     }
     if extension == "xyz" { xyz::read(bytes) } else { text::read(bytes) }
 }
 
-/// The heights of the chosen channel of `scan`, with the scales that `settings` or the sidecar give.
+/// Returns the heights of the chosen channel of `scan`, with the scales that `settings` or the sidecar give.
 fn assemble(
     mut scan: Scan,
     settings: &ReadSettings,
@@ -178,7 +178,7 @@ fn assemble(
     let spacing = match (settings.pixel_size.or(beside.pixel_size), channel.spacing) {
         (Some(um), _) => Spacing::Micrometres(um),
         (None, [Some(x), Some(y)]) => Spacing::Metres([x, y]),
-        // A line has no distance of lines: it is as wide as its samples.
+        // A single line has no distance of lines: its width is that of a sample.
         (None, [Some(x), None]) if size[1] == 1 => Spacing::Metres([x, x]),
         (None, [None, Some(y)]) if size[0] == 1 => Spacing::Metres([y, y]),
         _ => return Err(missing("distance of samples", Remedy::PixelSize)),
@@ -186,7 +186,7 @@ fn assemble(
     let height = settings.height.or(beside.height);
     if quantity == Quantity::Other {
         let (unit, name) = (choose::unit(&channels[chosen].unit), &channels[chosen].name);
-        // A unit that is known and no length makes no height, whatever a user says of its range.
+        // A unit of another quantity is no height, whatever range a user gives.
         if units::is_of_another_quantity(&channels[chosen].unit) {
             return Err(Error::usage(
                 format!("the channel `{name}` is in {unit}, which is no length"),
@@ -219,7 +219,7 @@ fn assemble(
     Ok(topography)
 }
 
-/// What 1 is \[µm\], so that the measured `samples` span `height` \[µm\]. Equal samples stay as they are.
+/// Returns the unit of `samples` \[µm\] for which the measured ones span `height` \[µm\]. Equal samples stay as they are.
 fn range_becomes(height: f64, samples: &[f64]) -> f64 {
     let low = samples.iter().copied().fold(f64::INFINITY, f64::min);
     let high = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);

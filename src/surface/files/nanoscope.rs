@@ -14,18 +14,18 @@ use crate::error::{Error, Result};
 use header::{NanoscopeHeader, ParameterValue, Section};
 use std::ops::Range;
 
-/// First bytes of a file of images; older ones have a question mark for the backslash, those of electrochemical cells their own name.
+/// First bytes of a file of images. Older files have a question mark for the backslash, those of electrochemical cells another name.
 pub const MAGICS: [&[u8]; 3] = [b"\\*File list", b"?*File list", b"\\*EC File list"];
-/// How a file of force curves begins.
+/// First bytes of a file of force curves.
 pub const FORCE_MAGIC: &[u8] = b"\\*Force file list";
 
-/// From this version on samples have four bytes, whatever `Bytes/pixel` says.
+/// Version from which samples have four bytes, whatever `Bytes/pixel` says.
 const WIDE_SAMPLES: u32 = 0x0920_0000;
 
-/// The file in `bytes`.
+/// Reads the file in `bytes`.
 ///
 /// # Errors
-/// A header without images; fewer samples than it promises; force curves.
+/// A header without images; fewer samples than the header promises; force curves.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if bytes.starts_with(FORCE_MAGIC) {
         return Err(Error::failed("holds force curves and no image", "choose an image file"));
@@ -48,7 +48,7 @@ fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Re
     let declared = image.count("bytes/pixel").unwrap_or(2);
     let stored = sample_type(header.version, declared, length, columns.saturating_mul(lines))?;
     let valid = sample_type(header.version, declared, length, size[0] as u64 * size[1] as u64)?;
-    // Of a scan that was stopped, all lines are stored, or those that were measured.
+    // A file of a stopped scan stores either all lines or only the measured ones.
     let line = columns.saturating_mul(stored.bytes() as u64);
     let holds_all = length >= lines.saturating_mul(line);
     let (number, skipped) = if holds_all { (stored, rows.start.saturating_mul(line)) } else { (valid, 0) };
@@ -68,7 +68,7 @@ fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Re
     })
 }
 
-/// Samples of a line and lines; Nanoscope E writes both behind `Samps/line`.
+/// Returns the numbers of samples of a line and of lines; Nanoscope E writes both behind `Samps/line`.
 fn counts(image: &Section) -> Result<(u64, u64)> {
     let columns = image.count("samps/line")?;
     let second = || image.text("samps/line")?.split_whitespace().nth(1)?.parse().ok();
@@ -96,16 +96,16 @@ fn sample_type(version: Option<u32>, declared: u64, length: u64, count: u64) -> 
     }
 }
 
-/// What one step of the stored integers is.
+/// Size of one step of the stored integers.
 struct SampleScale {
-    /// In metres where it is a length, else in units of `unit`.
+    /// Factor in metres for a length, otherwise in units of `unit`.
     factor: f64,
     /// The unit, for people.
     unit: String,
     is_length: bool,
 }
 
-/// The scale of `image`, by the newest rule that its header follows.
+/// Returns the scale of `image`, by the newest rule that its header follows.
 fn scale(header: &NanoscopeHeader, image: &Section, bytes: u64) -> Result<SampleScale> {
     let full = 2_f64.powi(8 * bytes as i32);
     let by_unit = |value: f64, unit: &str| {
@@ -139,14 +139,14 @@ fn scale(header: &NanoscopeHeader, image: &Section, bytes: u64) -> Result<Sample
     if let Some(value) = image.text("z scale").and_then(ParameterValue::parse_plain) {
         return Ok(by_unit(value.number, &value.unit));
     }
-    /// Files without a version: the unit of `Z magnify image` over the whole range of codes \[m\].
+    /// Unit of `Z magnify image` over the whole range of codes, for files without a version \[m\].
     const MAGNIFIED: f64 = 1e-7;
     let magnified = image.text("z magnify image").and_then(ParameterValue::parse_plain);
     let value = magnified.ok_or_else(|| damaged("`Z scale` is missing"))?;
     Ok(by_unit(value.number * MAGNIFIED, "m"))
 }
 
-/// How many `per` one `hard` is; units that are missing fit anything.
+/// Returns the ratio of the unit `hard` to the unit `per`; units that are missing fit anything.
 fn ratio(hard: &str, per: &str) -> Option<f64> {
     if hard == per || hard.is_empty() || per.is_empty() {
         return Some(1.0);
@@ -171,7 +171,7 @@ fn spacings(header: &NanoscopeHeader, image: &Section, [columns, lines]: [u64; 2
     [spacing(x, columns), spacing(y, lines)]
 }
 
-/// One length for both axes or two, and their unit \[m\].
+/// Parses one length for both axes or two, and their unit \[m\].
 fn lengths(text: &str) -> Option<[f64; 2]> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let number = |word: &str| word.parse::<f64>().ok();

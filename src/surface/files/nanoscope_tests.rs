@@ -4,7 +4,7 @@ use super::*;
 const SENSITIVITY: &str =
     "\\*Scanner list\r\n\\@Sens. Zsens: V 20.00000 nm/V\r\n\\@Sens. Defl: V 50.0 mV/V\r\n";
 
-/// A file by hand: its header ends at byte 1024, then the bottom row and the top row.
+/// Returns a hand-made file: its header ends at byte 1024, then the bottom row and the top row.
 fn file(version: &str, scanner: &str, image: &str, number: Number) -> Vec<u8> {
     let samples = BOTTOM.iter().chain(&TOP);
     let data: Vec<u8> = match number {
@@ -136,7 +136,7 @@ fn a_scan_that_was_stopped_has_the_lines_that_were_measured() {
     assert!((spacing[1].unwrap() - 1e-6).abs() < 1e-18);
     let step = 100.0 * 440.0 * 20e-9 / 65536.0;
     assert!(samples.iter().zip(TOP).all(|(found, x)| (found - x * step).abs() < 1e-18));
-    // Of many files only the lines that were measured are there.
+    // Many files have only the lines that were measured.
     let text = String::from_utf8_lossy(&bytes[..1024]).replace("Data length: 12", "Data length: 06");
     let short = [text.as_bytes(), &bytes[1024 + 6..]].concat();
     let (_, _, size, _, again) = only(read(&short));

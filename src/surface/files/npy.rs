@@ -9,13 +9,13 @@ use crate::error::{Error, Result};
 use crate::surface::transpose::transposed;
 use std::io::{self, Write};
 
-/// How a file begins.
+/// First bytes of a file.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The file in `bytes`.
+/// Reads the file in `bytes`.
 ///
 /// # Errors
-/// An array of other than two dimensions or of other than real numbers; fewer samples than it promises.
+/// An array of other than two dimensions or of other than real numbers; fewer samples than the header promises.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let mut cursor = Cursor::new(bytes, Order::Little).at(MAGIC.len());
     let version = cursor.u8()?;
@@ -51,7 +51,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     ))
 }
 
-/// What follows `'key':` in the dictionary of the header.
+/// Returns the text after `'key':` in the dictionary of the header.
 fn entry<'a>(header: &'a str, key: &str) -> Result<&'a str> {
     let missing = || damaged(format!("its header has no `{key}`"));
     let place =
@@ -93,7 +93,7 @@ fn not_real(what: &str) -> Error {
     Error::failed(format!("holds {what} and no plain numbers"), "save heights in metres as float64")
 }
 
-/// Rows and columns.
+/// Parses the rows and columns.
 fn shape(text: &str) -> Result<[u64; 2]> {
     let inner = text.strip_prefix('(').and_then(|text| text.split_once(')')).map(|(inner, _)| inner);
     let inner = inner.ok_or_else(|| damaged("its shape is none"))?;
@@ -113,7 +113,7 @@ fn shape(text: &str) -> Result<[u64; 2]> {
 /// # Errors
 /// The file cannot be written to.
 pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
-    /// Where data start is a multiple of this.
+    /// Alignment of the data in the file \[bytes\].
     const ALIGNMENT: usize = 64;
     /// Magic, version and length of the header.
     const START: usize = 10;

@@ -14,16 +14,16 @@ const VERSION_TAG: u16 = 50433;
 const DATA_TAG: u16 = 50434;
 const HEADER_TAG: u16 = 50435;
 
-/// The version from which on the header says how samples are stored; before, they are 16-bit integers.
+/// Version from which the header names the type of samples; older files have 16-bit integers.
 const TYPED: u32 = 0x0100_0002;
 
-/// Where the type of samples stands in the header.
+/// Offset of the type of samples in the header \[bytes\].
 const TYPE_PLACE: usize = 348;
 
-/// The file in `bytes`; `None` where it is a TIFF without Park's tags.
+/// Reads the file in `bytes`; `None` for a TIFF without Park's tags.
 ///
 /// # Errors
-/// A header that is too short; fewer samples than it promises; line profiles.
+/// A header that is too short; fewer samples than the header promises; line profiles.
 pub fn read(bytes: &[u8]) -> Result<Option<Scan<'_>>> {
     let Some(tags) = Tags::read(bytes) else { return Ok(None) };
     let Some(data) = tags.value(bytes, DATA_TAG) else { return Ok(None) };
@@ -69,7 +69,7 @@ struct ParkHeader {
 impl ParkHeader {
     fn read(header: &[u8], version: u32) -> Result<Self> {
         let mut cursor = Cursor::new(header, Order::Little);
-        /// What `image type` calls a line profile.
+        /// Value of `image type` for a line profile.
         const LINE_PROFILE: u32 = 1;
         if cursor.u32()? == LINE_PROFILE {
             return Err(Error::failed("holds a line profile and no image", "choose an image file"));
@@ -113,7 +113,7 @@ impl ParkHeader {
     }
 }
 
-/// The entries of the first directory of a TIFF: tag, type, count, and the four bytes of the value or its place.
+/// Entries of the first directory of a TIFF: tag, type, count, and the four bytes of the value or of its offset.
 struct Tags {
     order: Order,
     entries: Vec<(u16, u16, u32, u32)>,
@@ -139,12 +139,12 @@ impl Tags {
         self.entries.iter().find(|entry| entry.0 == tag).copied()
     }
 
-    /// The whole number of `tag`.
+    /// Returns the whole number of `tag`.
     fn number(&self, tag: u16) -> Option<u32> {
         self.entry(tag).map(|(_, _, _, value)| value)
     }
 
-    /// The bytes of `tag`, which stand apart from the directory; `None` where there is no such tag.
+    /// Returns the bytes of `tag`, which stand apart from the directory; `None` if there is no such tag.
     fn value<'a>(&self, bytes: &'a [u8], tag: u16) -> Option<Result<&'a [u8]>> {
         let (_, kind, count, place) = self.entry(tag)?;
         let width = match kind {

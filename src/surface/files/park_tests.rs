@@ -7,7 +7,7 @@ fn wide(text: &str, width: usize) -> Vec<u8> {
     units
 }
 
-/// The vendor's header by hand: 3 × 2 samples over 3 × 4 µm.
+/// Returns the vendor's header, hand-made: 3 × 2 samples over 3 × 4 µm.
 fn header(gain: f64, scale: f64, offset: f64, unit: &str, kind: Option<u32>) -> Vec<u8> {
     let mut h = vec![0; 4];
     h.extend(wide("Z Height", 32));
@@ -34,7 +34,7 @@ fn header(gain: f64, scale: f64, offset: f64, unit: &str, kind: Option<u32>) -> 
     h
 }
 
-/// A TIFF of a directory with Park's tags alone.
+/// Returns a TIFF of a directory with Park's tags alone.
 fn file(version: u32, header: &[u8], data: &[u8]) -> Vec<u8> {
     let start = 8 + 2 + 3 * 12 + 4;
     let mut bytes = b"II*\0\x08\0\0\0\x03\0".to_vec();

@@ -1,17 +1,17 @@
 //! Questions about scales that are probably wrong by a factor of a thousand.
 
-/// Distances of samples that microscopes have \[m\]: a tenth of an atom, and more than any optical profiler's.
+/// Plausible distances of samples \[m\]: from a tenth of an atom to more than any optical profiler's.
 const SPACINGS: (f64, f64) = (5e-12, 20e-6);
-/// The largest range of heights that is not asked about \[m\].
+/// Largest plausible range of heights \[m\].
 const HIGHEST: f64 = 1e-3;
-/// Ranges of heights over the longer side of the patch that surfaces have: a polished mirror's, and a deep trench's.
+/// Plausible ranges of heights relative to the longer side of the patch: from a polished mirror's to a deep trench's.
 const RELIEFS: (f64, f64) = (1e-7, 3.0);
 
-/// How a question about heights ends. Who names the full height need not be asked.
+/// End of a question about heights, which is not asked if the user gives the full height.
 pub const OVERRIDDEN_BY_HEIGHT: &str = "(a full height overrides it)";
 
-/// A line about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range
-/// of `range` \[m\].
+/// Returns a question about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range of
+/// `range` \[m\].
 pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String> {
     let mut questions = Vec::new();
     if spacing.iter().any(|d| !(SPACINGS.0..=SPACINGS.1).contains(d)) {
@@ -31,7 +31,7 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String>
     questions
 }
 
-/// A length in a unit that suits it.
+/// Returns a length in a suitable unit.
 pub fn in_words(metres: f64) -> String {
     let (factor, unit) = match metres.abs() {
         x if x < 1e-9 => (1e12, "pm"),

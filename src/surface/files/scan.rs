@@ -1,4 +1,4 @@
-//! What a file of a microscope holds, before anything is asked of it.
+//! Contents of a microscope file, before a channel is chosen or scaled.
 
 use super::super::MAX_SIDE;
 use super::bytes::{Number, Order, cut_short};
@@ -6,41 +6,41 @@ use crate::error::{Error, Result};
 use crate::memory;
 use std::borrow::Cow;
 
-/// What the samples of a channel are.
+/// Quantity of a channel's samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
     /// Heights \[m\].
     Height,
-    /// Shares of the largest code of an integer without a scale, 0 … 1 (−1 … 1 where codes are signed).
+    /// Shares of the largest code of an integer without a scale, 0 … 1 (−1 … 1 for signed codes).
     Code {
         /// The largest code.
         largest: f64,
     },
-    /// Another quantity, in a unit of its own.
+    /// Another quantity, in the unit of the channel.
     Other,
 }
 
-/// Gives the samples row by row from the top; what is not finite was not measured.
+/// Function that returns the samples row by row from the top; samples that are not finite were not measured.
 pub type Decode<'a> = Box<dyn FnOnce() -> Result<Vec<f64>> + 'a>;
 
-/// One image of a file. Samples are decoded when they are asked for.
+/// One image of a file. Samples are decoded on demand.
 pub struct Channel<'a> {
-    /// Name, as the file has it.
+    /// Name as in the file.
     pub name: String,
-    /// Unit of the samples, as the file has it; empty where it has none.
+    /// Unit of the samples as in the file; empty for none.
     pub unit: String,
     /// Samples along `x` and `y`.
     pub size: [usize; 2],
-    /// Distance of neighbouring samples along `x` and `y` \[m\]; `None` where the file does not say.
+    /// Distance of neighbouring samples along `x` and `y` \[m\]; `None` if the file does not say.
     pub spacing: [Option<f64>; 2],
-    /// What the samples are.
+    /// Quantity of the samples.
     pub quantity: Quantity,
     /// The samples.
     pub decode: Decode<'a>,
 }
 
 impl Channel<'_> {
-    /// The samples: `size[0]` × `size[1]` of them, row by row from the top; NaN where nothing was measured.
+    /// Decodes the samples: `size[0]` × `size[1]` of them, row by row from the top; NaN for those that were not measured.
     ///
     /// # Errors
     /// No room for them; damage that shows only now.
@@ -63,14 +63,14 @@ pub struct Scan<'a> {
     pub format: &'static str,
     /// At least one.
     pub channels: Vec<Channel<'a>>,
-    /// Facts that a user should know about what was read and what was not: a line each.
+    /// Facts that a user should know about the file, one line each.
     pub notes: Vec<String>,
-    /// True if a user has to say which of several channels the surface is.
+    /// True if a user has to choose the channel.
     pub asks: bool,
 }
 
 impl<'a> Scan<'a> {
-    /// A file that holds a single image.
+    /// Returns a file that holds a single image.
     pub fn single(format: &'static str, channel: Channel<'a>) -> Self {
         Self::new(format, vec![channel])
     }
@@ -80,10 +80,10 @@ impl<'a> Scan<'a> {
         Self { format, channels, notes: Vec::new(), asks: false }
     }
 
-    /// Returns a file of the channels that can be read, each with its name. What is wrong with the others is noted.
+    /// Returns a file of the channels that can be read, each with its name. Errors of the others become notes.
     ///
     /// # Errors
-    /// The first channel's error where none can be read.
+    /// The first channel's error if none can be read.
     pub fn of_readable(format: &'static str, found: Vec<(String, Result<Channel<'a>>)>) -> Result<Self> {
         let mut scan = Self::new(format, Vec::new());
         let mut first = None;
@@ -103,7 +103,7 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// A size that a height field can have.
+/// Checks that a height field can have the size.
 ///
 /// # Errors
 /// An empty or oversized grid.
@@ -123,12 +123,12 @@ pub fn size(columns: u64, rows: u64) -> Result<[usize; 2]> {
     }
 }
 
-/// A distance between samples \[m\], where `length` over `count` samples is one; its sign does not matter.
+/// Returns the distance between samples \[m\] of `length` over `count` samples; `None` if that is no distance. Its sign does not matter.
 pub fn spacing(length: f64, count: usize) -> Option<f64> {
     Some((length / count as f64).abs()).filter(|d| d.is_finite() && *d > 0.0)
 }
 
-/// Which row of a block is the top of the surface.
+/// Row of a block that is the top of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rows {
     /// The first.
@@ -137,30 +137,30 @@ pub enum Rows {
     BottomFirst,
 }
 
-/// Samples as they stand in a file.
+/// Samples as stored in a file.
 #[derive(Clone, Debug)]
 pub struct Block<'a> {
     /// The samples' bytes, x fastest.
     pub bytes: Cow<'a, [u8]>,
-    /// How a sample is stored.
+    /// Type of a stored sample.
     pub number: Number,
-    /// Its bytes' order.
+    /// Byte order of the samples.
     pub order: Order,
-    /// What one unit of the stored number is, and what a stored 0 is.
+    /// Size of one unit of the stored number, and value of a stored 0.
     pub scale: [f64; 2],
-    /// The stored number of what was not measured.
+    /// Stored number of a sample that was not measured.
     pub missing: Option<f64>,
-    /// Which row is the top.
+    /// Row that is the top.
     pub rows: Rows,
 }
 
 impl<'a> Block<'a> {
-    /// Floating-point or integer numbers that are the samples themselves.
+    /// Returns a block whose numbers are the samples themselves.
     pub fn plain(bytes: &'a [u8], number: Number, order: Order) -> Self {
         Self { bytes: bytes.into(), number, order, scale: [1.0, 0.0], missing: None, rows: Rows::TopFirst }
     }
 
-    /// How to get the samples of an image of `size`.
+    /// Returns the function that decodes the samples of an image of `size`.
     ///
     /// # Errors
     /// Fewer bytes than `size` needs.

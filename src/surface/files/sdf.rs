@@ -8,12 +8,12 @@ use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use crate::error::{Error, Result};
 use crate::memory;
 
-/// How text files begin; the second is the standard's forerunner.
+/// First bytes of text files; the second are those of the standard's forerunner.
 pub const TEXT_MAGICS: [&[u8]; 2] = [b"aISO-1.0", b"aBCR-1.0"];
-/// How binary files begin.
+/// First bytes of binary files.
 pub const BINARY_MAGICS: [&[u8]; 2] = [b"bISO-1.0", b"bBCR-1.0"];
 
-/// What both kinds of headers say.
+/// Fields of text and binary headers.
 struct SdfHeader {
     counts: [u64; 2],
     scales: [f64; 3],
@@ -47,7 +47,7 @@ impl SdfHeader {
     }
 }
 
-/// The binary file in `bytes`.
+/// Reads the binary file in `bytes`.
 ///
 /// # Errors
 /// Fewer samples than its header promises, a type of samples or a compression that the standard does not have.
@@ -84,7 +84,7 @@ fn sample_type(code: u64) -> Result<Number> {
     }
 }
 
-/// The integer that stands for a sample that was not measured; samples of 8 bits have none.
+/// Returns the integer of a sample that was not measured; samples of 8 bits have none.
 fn missing_code(number: Number) -> Option<f64> {
     match number {
         Number::U16 | Number::U32 => Some(number.largest()),
@@ -94,10 +94,10 @@ fn missing_code(number: Number) -> Option<f64> {
     }
 }
 
-/// The text file in `bytes`.
+/// Reads the text file in `bytes`.
 ///
 /// # Errors
-/// A header without sizes or scales, fewer or more samples than it promises, a sample that is no number.
+/// A header without sizes or scales, fewer or more samples than the header promises, a sample that is no number.
 pub fn read_text(bytes: &[u8]) -> Result<Scan<'_>> {
     let text = decode_text(bytes);
     let mut start = None;
@@ -136,7 +136,7 @@ fn text_header(entries: &[(String, String)]) -> Result<SdfHeader> {
     })
 }
 
-/// The numbers in `text` up to an asterisk, times `scale`.
+/// Parses the numbers in `text` up to an asterisk, times `scale`.
 fn samples(text: &str, size: [usize; 2], scale: f64) -> Result<Vec<f64>> {
     let count = size[0] * size[1];
     // Every sample takes a digit and a space, so that short texts promise no large arrays.

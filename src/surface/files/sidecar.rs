@@ -1,6 +1,6 @@
 //! Scales in a file beside an image: `scan.toml` or `scan.tif.toml` beside `scan.tif`.
 //!
-//! `pixel_size = "10nm"` and `height = "138.5nm"` mean what [`ReadSettings`](super::ReadSettings) does.
+//! `pixel_size = "10nm"` and `height = "138.5nm"` have the meaning of [`ReadSettings`](super::ReadSettings).
 
 use crate::error::{Error, Result};
 use crate::{input, units};
@@ -8,12 +8,12 @@ use serde::Deserialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// What a sidecar says.
+/// Scales in a sidecar.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sidecar {
     /// Distance of samples along `x` and `y` \[µm\].
     pub pixel_size: Option<[f64; 2]>,
-    /// What the largest code stands for \[µm\].
+    /// Height of the largest code \[µm\].
     pub height: Option<f64>,
 }
 
@@ -25,7 +25,7 @@ struct SidecarFields {
 }
 
 impl Sidecar {
-    /// The sidecar of `path`; an empty one where there is none.
+    /// Reads the sidecar of `path`; returns an empty one if there is none.
     ///
     /// # Errors
     /// A file of that name with scales that cannot be meant.
@@ -43,7 +43,7 @@ impl Sidecar {
         Ok(Self::default())
     }
 
-    /// The scales in `text`; `None` where it is about something else, such as a scene.
+    /// Parses the scales in `text`; `None` if it is about something else, such as a scene.
     ///
     /// # Errors
     /// A scale that is no length, or an entry beside the scales.

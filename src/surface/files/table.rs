@@ -1,4 +1,4 @@
-//! Lines of numbers, as instruments and spreadsheets write them.
+//! Lines of numbers, as written by instruments and spreadsheets.
 
 use super::bytes::damaged;
 use crate::error::{Error, Result};
@@ -12,15 +12,15 @@ const MISSING: [&str; 6] = ["nan", "bad", "n/a", "null", "---", "--"];
 pub struct TextTable {
     /// Numbers of a row.
     pub columns: usize,
-    /// All numbers; NaN for what was not measured.
+    /// All numbers; NaN for samples that were not measured.
     pub numbers: Vec<f64>,
     /// Lines before the first row of numbers, without white space around them.
     pub head: Vec<String>,
-    /// Whether the last of those lines names every column.
+    /// True if the last of those lines names every column.
     pub titled: bool,
 }
 
-/// What stands between numbers, and what their decimal point is.
+/// Separator of the numbers, with or without white space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Style {
     /// White space.
@@ -29,9 +29,9 @@ enum Style {
     Separated(char),
 }
 
-/// Reads rows of equally many numbers. Empty lines and lines that begin with `#`, `%` or `//` are comments; lines in front of
-/// the first number are the head. Numbers stand apart by white space, commas, semicolons or tabs; where something else stands
-/// between them, commas are decimal points.
+/// Reads rows of equally many numbers. Empty lines and lines that begin with `#`, `%` or `//` are comments; lines in front of the first
+/// number are the head. Numbers are separated by white space, commas, semicolons or tabs. If the separator is not a comma, commas are
+/// decimal points.
 ///
 /// # Errors
 /// A row of another length, a word that is no number, no row at all; no room.
@@ -94,7 +94,7 @@ fn begins_with_a_number(line: &str) -> bool {
     number(first, false).is_some()
 }
 
-/// Words of `line` that stand apart as numbers do; 0 for a comment.
+/// Counts the fields of `line`; 0 for a comment.
 fn titles(line: &str, style: Style) -> usize {
     let comment = line.starts_with(['#', '%']) || line.starts_with("//");
     let mut count = 0;
@@ -105,7 +105,7 @@ fn titles(line: &str, style: Style) -> usize {
     if comment { 0 } else { count }
 }
 
-/// How `line` is written, the first one of numbers, and whether its commas are decimal points.
+/// Returns the separator of `line`, the first one of numbers, and true if its commas are decimal points.
 fn style_of(line: &str) -> (Style, bool) {
     let comma = line.contains(',');
     if line.contains(';') {

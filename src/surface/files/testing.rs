@@ -1,4 +1,4 @@
-//! What the tests of all readers share.
+//! Helpers of the tests of all readers.
 
 use super::scan::{Quantity, Scan};
 use crate::error::Result;
@@ -8,7 +8,7 @@ pub const TOP: [f64; 3] = [1.0, 2.0, 3.0];
 /// The second row.
 pub const BOTTOM: [f64; 3] = [4.0, 5.0, 6.0];
 
-/// The single channel of what `scan` holds: unit, size, distances and samples.
+/// Returns unit, quantity, size, distances and samples of the single channel of `scan`.
 #[track_caller]
 pub fn only(scan: Result<Scan>) -> (String, Quantity, [usize; 2], [Option<f64>; 2], Vec<f64>) {
     let mut scan = scan.unwrap();

@@ -109,7 +109,7 @@ fn names_that_are_not_utf_8_are_read() {
     assert_eq!(read(&path, &settings(PIXEL, None)).unwrap().size(), [2, 1]);
 }
 
-/// Every file of the folder `DIFFRACT_SCANS` is read or refused in a line.
+/// Reads or refuses every file of the folder `DIFFRACT_SCANS`, if it is set.
 #[test]
 fn scans_of_a_folder_are_read_where_one_is_named() {
     let Some(folder) = std::env::var_os("DIFFRACT_SCANS") else { return };

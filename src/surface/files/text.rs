@@ -11,7 +11,7 @@ use super::{units, xyz};
 use crate::error::{Error, Result};
 use std::io::{self, Write};
 
-/// What the head of Gwyddion's export says.
+/// Fields of the head of Gwyddion's export.
 struct GwyddionHead {
     name: String,
     /// Width and height of the whole image \[m\].
@@ -19,13 +19,13 @@ struct GwyddionHead {
     unit: String,
 }
 
-/// First bytes of Wyko's own text format, which holds more than a matrix.
+/// First bytes of Wyko's text format, which holds more than a matrix.
 const WYKO_MAGIC: &[u8] = b"Wyko ASCII";
 
-/// The file in `bytes`.
+/// Reads the file in `bytes`.
 ///
 /// # Errors
-/// As [`table::parse`]; too many numbers on a side.
+/// Those of [`table::parse`]; too many numbers on a side.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if bytes.starts_with(WYKO_MAGIC) {
         return Err(Error::failed(
@@ -59,7 +59,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(Scan::single(format, Channel { name, unit, size, spacing, quantity, decode }))
 }
 
-/// Returns the grid of points that three columns may be, one at every node: no matrix of heights is one by chance.
+/// Returns the grid of points that a table of three columns may be, one at every node. No matrix of heights is such a grid by chance.
 fn points(table: &TextTable) -> Option<Scan<'static>> {
     let mut scan = xyz::grid(table).ok()?;
     let [columns, rows] = scan.channels.first()?.size;
@@ -70,7 +70,7 @@ fn points(table: &TextTable) -> Option<Scan<'static>> {
     Some(scan)
 }
 
-/// The four lines of Gwyddion's export, told by the two lengths.
+/// Parses the four lines of Gwyddion's export, which are recognised by the two lengths.
 fn gwyddion(head: &[String]) -> Option<GwyddionHead> {
     let entries: Vec<&str> =
         head.iter().filter_map(|line| Some(line.strip_prefix('#')?.split_once(':')?.1.trim())).collect();

@@ -1,7 +1,7 @@
-//! TIFF images of any real numbers, with the distance of samples where their tags give it.
+//! TIFF images of any real numbers, with the distance of samples if their tags give it.
 //!
-//! Unsigned integers of 8 and 16 bits are height images (`image`). Other integers are codes as well; floating-point numbers are
-//! heights in metres. Resolution tags, ImageJ's description and this program's own give the distance of samples. Orientation
+//! Unsigned integers of 8 and 16 bits are height images (`image`). Other integers are codes as well; floating-point numbers are heights in
+//! metres. Resolution tags, ImageJ's description and the description that this program writes give the distance of samples. Orientation
 //! tags are applied.
 
 use super::bytes::damaged;
@@ -17,16 +17,16 @@ use ::tiff::tags::{PhotometricInterpretation, ResolutionUnit, Tag};
 use ::tiff::{ColorType, TiffError};
 use std::io::{Cursor, Seek, Write};
 
-/// Samples that lie farther apart than this say how large a picture is printed, not how large the surface is \[m\].
+/// Largest distance of samples in resolution tags \[m\]; larger ones are the size of a print, not of the surface.
 const COARSEST: f64 = 10e-6;
 
-/// The tag in which JPK's microscopes keep the width of the scan.
+/// Tag of JPK's microscopes for the width of the scan.
 const JPK_WIDTH: u16 = 32834;
 
-/// How the description of a TIFF of this program begins.
+/// First words of the description of a TIFF of this program.
 const OWN: &str = "heights in metres; distance of samples in metres: ";
 
-/// The file in `bytes`; of several pages the first one counts. Files of Park's microscopes are read by [`park`].
+/// Reads the file in `bytes`; only the first page of several is read. Files of Park's microscopes are read by [`park`].
 ///
 /// # Errors
 /// A file that is damaged; colours; a size that no height field has; a scan of JPK's microscopes, whose first page is a thumbnail.
@@ -58,7 +58,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let grey = matches!(decoder.colortype(), Ok(ColorType::Gray(8 | 16 | 32 | 64)));
     let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).ok().flatten().unwrap_or_default();
     let bits = decoder.find_tag_unsigned_vec::<u16>(Tag::BitsPerSample).ok().flatten().unwrap_or_default();
-    /// What SampleFormat calls unsigned integers; the default.
+    /// Value of SampleFormat for unsigned integers; the default.
     const UNSIGNED: u16 = 1;
     let unsigned = formats.first().is_none_or(|f| *f == UNSIGNED);
     if !grey || unsigned && bits.first().is_none_or(|b| *b <= 16) {
@@ -107,7 +107,7 @@ fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
     image_j(&text, "vunit").unwrap_or_else(|| "m".to_owned())
 }
 
-/// The decoder's messages in the words of this program.
+/// Converts the decoder's message into an error of this program.
 fn explain(cause: &TiffError) -> Error {
     match cause {
         TiffError::UnsupportedError(_) => {
@@ -123,7 +123,7 @@ fn explain(cause: &TiffError) -> Error {
     }
 }
 
-/// All samples, integers as shares of their largest code, which is given, too; infinite for floating-point numbers.
+/// Decodes all samples, integers as shares of their largest code. Returns that code as well; infinity for floating-point numbers.
 fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> Result<(Vec<f64>, f64)> {
     /// Bytes of the widest sample.
     const WIDEST: usize = 8;
@@ -159,18 +159,18 @@ fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> 
     Ok((samples, largest))
 }
 
-/// The orientation tag: 1 to 8, 1 where there is none.
+/// Returns the orientation tag: 1 to 8, 1 if there is none.
 fn orientation(decoder: &mut Decoder<Cursor<&[u8]>>) -> u16 {
     let tag = decoder.find_tag_unsigned::<u16>(Tag::Orientation).ok().flatten();
     tag.filter(|o| (1..=8).contains(o)).unwrap_or(1)
 }
 
-/// Whether an orientation exchanges rows and columns.
+/// Returns true if an orientation exchanges rows and columns.
 fn turned(orientation: u16) -> bool {
     orientation >= 5
 }
 
-/// Samples and size as `orientation` wants them shown (TIFF 6.0, tag 274: where row 0 and column 0 are).
+/// Returns samples and size after applying `orientation` (TIFF 6.0, tag 274: the sides of row 0 and column 0).
 fn oriented(samples: Vec<f64>, [columns, rows]: [usize; 2], orientation: u16) -> (Vec<f64>, [usize; 2]) {
     if orientation == 1 {
         return (samples, [columns, rows]);
@@ -193,14 +193,14 @@ fn oriented(samples: Vec<f64>, [columns, rows]: [usize; 2], orientation: u16) ->
     (shown.map(|(row, column)| stored(row, column)).collect(), size)
 }
 
-/// Distances of samples and lines \[m\]: those of this program's description, or of the resolution tags.
+/// Returns the distances of samples and lines \[m\]: those of this program's description, or of the resolution tags.
 fn distances(decoder: &mut Decoder<Cursor<&[u8]>>) -> [Option<f64>; 2] {
     let text = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
     if let Some((x, y)) = text.strip_prefix(OWN).and_then(|rest| rest.trim().split_once(" x ")) {
         return [x, y].map(|d| spacing(d.parse().ok()?, 1));
     }
     let resolution_unit = decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit).ok().flatten();
-    // ImageJ writes pixels for each of its own units, of which y has another one where it differs.
+    // ImageJ writes pixels per ImageJ unit; `yunit` is present only if it differs.
     let x = image_j(&text, "unit");
     let y = image_j(&text, "yunit").or_else(|| x.clone());
     let axis = |named: Option<String>| match (named.as_deref().and_then(units::length), resolution_unit) {
@@ -242,7 +242,7 @@ pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> Result<()> {
     write().map_err(|e: TiffError| Error::failed(format!("cannot write: {e}"), "check the free space"))
 }
 
-/// The best fraction of 32-bit numbers for `x`, by its continued fraction.
+/// Returns the best fraction of 32-bit numbers for `x`, by its continued fraction.
 fn rational(x: f64) -> Rational {
     const LARGEST: f64 = u32::MAX as f64;
     let (mut before, mut now) = ([0.0, 1.0], [1.0, 0.0]);
@@ -255,7 +255,7 @@ fn rational(x: f64) -> Rational {
             break;
         }
         (before, now) = (now, next);
-        // Closer than this, what is left is rounding.
+        // A smaller remainder is rounding.
         if (now[0] / now[1] - x).abs() <= f64::EPSILON * x || rest == whole {
             break;
         }

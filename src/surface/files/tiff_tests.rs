@@ -2,7 +2,7 @@ use super::super::testing::{BOTTOM, TOP, assert_rows, only, whole};
 use super::super::topography::Spacing;
 use super::*;
 
-/// A TIFF of one strip by hand: entries of tag, type, count and value, in either byte order, classic or big.
+/// Returns a hand-made TIFF of one strip: entries of tag, type, count and value, in either byte order, classic or big.
 fn file(big_endian: bool, big: bool, entries: &[(u16, u16, u32)], data: &[u8]) -> Vec<u8> {
     let mut all = entries.to_vec();
     let width = if big { 20 } else { 12 };
@@ -90,7 +90,7 @@ fn integers_of_all_widths_are_shares_of_their_largest_code() {
 
 #[test]
 fn every_orientation_shows_the_same_corner_in_floats_and_in_codes() {
-    // Where the stored samples a b c / d e f appear, after the table of TIFF 6.0.
+    // Expected positions of the stored samples a b c / d e f, from the table of TIFF 6.0.
     for (orientation, size, shown) in [
         (1, [3, 2], [1, 2, 3, 4, 5, 6]),
         (2, [3, 2], [3, 2, 1, 6, 5, 4]),

@@ -1,4 +1,4 @@
-//! One channel of a file as heights, with what is known about it.
+//! One channel of a file as heights, with its origin.
 
 use super::super::HeightField;
 use super::{invalid, plausible};
@@ -11,30 +11,30 @@ const UM: f64 = 1e6;
 /// A channel, for lists.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChannelInfo {
-    /// Name, as the file has it.
+    /// Name as in the file.
     pub name: String,
-    /// Unit, as the file has it; empty where it has none.
+    /// Unit as in the file; empty for none.
     pub unit: String,
     /// Samples along `x` and `y`.
     pub size: [usize; 2],
 }
 
-/// Where heights come from.
+/// Origin of heights that were read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanOrigin {
     /// The format, for people.
     pub format: &'static str,
     /// All channels of the file.
     pub channels: Vec<ChannelInfo>,
-    /// Which of them the heights are.
+    /// Index of the channel of the heights.
     pub chosen: usize,
-    /// What one step of an 8-bit image is \[m\]; `None` for finer samples.
+    /// Step of an 8-bit image \[m\]; `None` for finer samples.
     pub quantisation: Option<f64>,
-    /// What a user should know before trusting the heights: a line each.
+    /// Facts that a user should know before trusting the heights, one line each.
     pub warnings: Vec<String>,
 }
 
-/// Heights as a file has them: exact, and with the samples that were not measured.
+/// Exact heights of a file, including NaN for samples that were not measured.
 #[derive(Clone, Debug)]
 pub struct Topography {
     size: [usize; 2],
@@ -42,15 +42,15 @@ pub struct Topography {
     spacing: [f64; 2],
     /// \[µm\]
     pixel_size: [f64; 2],
-    /// Row by row from the top, in units of `unit`; NaN where nothing was measured.
+    /// Heights row by row from the top, in units of `unit`; NaN for samples that were not measured.
     samples: Vec<f64>,
-    /// What 1 in `samples` is \[µm\].
+    /// Unit of `samples` \[µm\].
     unit: f64,
     missing: usize,
     origin: Option<ScanOrigin>,
 }
 
-/// Sample spacing, as it was given.
+/// Sample spacing in its original unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {
     /// Along `x` and `y` \[m\].
@@ -59,7 +59,7 @@ pub enum Spacing {
     Micrometres([f64; 2]),
 }
 
-/// What the heights of a scan are, without what was not measured.
+/// Statistics of the measured heights of a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FileSummary {
     /// Lowest and highest height \[m\].
@@ -71,7 +71,7 @@ pub struct FileSummary {
 }
 
 impl Topography {
-    /// Heights of `size` samples, each `unit` \[µm\] times its number in `samples`; NaN where nothing was measured.
+    /// Returns heights of `size` samples, each `unit` \[µm\] times its number in `samples`; NaN for samples that were not measured.
     ///
     /// # Errors
     /// A height or a spacing that is no number; no measured sample at all.
@@ -99,7 +99,7 @@ impl Topography {
         Ok(Self { size, spacing, pixel_size, samples, unit, missing, origin })
     }
 
-    /// The heights of a height field, all of them measured.
+    /// Returns the heights of a height field, all of them measured.
     pub fn of(field: HeightField) -> Self {
         let pixel_size = field.pixel_size();
         Self {
@@ -113,27 +113,27 @@ impl Topography {
         }
     }
 
-    /// Samples along `x` and `y`.
+    /// Returns the number of samples along `x` and `y`.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// Distance of neighbouring samples along `x` and `y` \[m\].
+    /// Returns the distance of neighbouring samples along `x` and `y` \[m\].
     pub fn spacing(&self) -> [f64; 2] {
         self.spacing
     }
 
-    /// Samples that were not measured.
+    /// Returns the number of samples that were not measured.
     pub fn missing(&self) -> usize {
         self.missing
     }
 
-    /// Where the heights come from; `None` for what was computed.
+    /// Returns the origin of the heights; `None` for computed ones.
     pub fn origin(&self) -> Option<&ScanOrigin> {
         self.origin.as_ref()
     }
 
-    /// Adds to the origin what a user should know: the `notes` of the reader, and what the numbers ask.
+    /// Adds warnings to the origin: the `notes` of the reader, and questions about implausible scales.
     pub(super) fn warn(&mut self, notes: Vec<String>) {
         let [low, high] = self.summary().range;
         let mut warnings = notes;
@@ -150,13 +150,13 @@ impl Topography {
         }
     }
 
-    /// The heights \[m\], row by row from the top; NaN where nothing was measured.
+    /// Returns the heights \[m\], row by row from the top; NaN for samples that were not measured.
     pub fn metres(&self) -> impl Iterator<Item = f64> + '_ {
         let factor = self.unit / UM;
         self.samples.iter().map(move |x| x * factor)
     }
 
-    /// Range, mean and deviation of what was measured.
+    /// Returns range, mean and deviation of the measured samples.
     pub fn summary(&self) -> FileSummary {
         let measured = || self.metres().filter(|h| !h.is_nan());
         let count = (self.samples.len() - self.missing) as f64;
@@ -168,10 +168,10 @@ impl Topography {
         FileSummary { range: [low, high], mean, rms }
     }
 
-    /// The height field, in which what was not measured is filled by [`invalid::fill`].
+    /// Converts to a height field; [`invalid::fill`] fills the samples that were not measured.
     ///
     /// # Errors
-    /// Too much that was not measured; no room.
+    /// Too many samples that were not measured; no room.
     pub fn into_field(mut self) -> Result<HeightField> {
         let [columns, rows] = self.size;
         if self.missing > 0 {

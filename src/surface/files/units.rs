@@ -1,6 +1,6 @@
-//! Units as instruments write them.
+//! Units in the spellings of instruments.
 
-/// SI prefixes. `~` is how Nanoscope files write µ.
+/// SI prefixes. Nanoscope files write `~` for µ.
 const PREFIXES: [(&str, f64); 12] = [
     ("f", 1e-15),
     ("p", 1e-12),
@@ -33,7 +33,7 @@ const OTHER_LENGTHS: [(&str, f64); 13] = [
     ("in", 25.4e-3),
 ];
 
-/// What one `unit` of length is in metres; `None` where it is no length.
+/// Returns the length of one `unit` \[m\]; `None` if it is no length.
 pub fn length(unit: &str) -> Option<f64> {
     let unit = unit.trim();
     let lower = unit.to_lowercase();
@@ -46,14 +46,14 @@ pub fn is_of_another_quantity(unit: &str) -> bool {
     const BASES: [&str; 13] = ["V", "A", "N", "Hz", "s", "K", "Pa", "W", "J", "g", "rad", "F", "C"];
     const OTHERS: [&str; 10] =
         ["deg", "degree", "degrees", "\u{b0}", "\u{ba}", "\u{b0}C", "\u{2126}", "Ohm", "%", "radian"];
-    /// Letters that stand for other things, too, as for ångström and counts.
+    /// Letters with other meanings, such as ångström and counts.
     const AMBIGUOUS: [&str; 4] = ["A", "C", "F", "g"];
     let unit = unit.trim();
     let is_known = !AMBIGUOUS.contains(&unit);
     OTHERS.contains(&unit) || is_known && BASES.iter().any(|base| prefixed(unit, base).is_some())
 }
 
-/// What one `unit` is in units of `base`, of which it is a multiple by an SI prefix; `None` where it is another quantity.
+/// Returns the factor of `unit`, a multiple of `base` by an SI prefix; `None` if it is another quantity.
 pub fn prefixed(unit: &str, base: &str) -> Option<f64> {
     let prefix = unit.strip_suffix(base)?;
     if prefix.is_empty() {
@@ -62,7 +62,7 @@ pub fn prefixed(unit: &str, base: &str) -> Option<f64> {
     PREFIXES.iter().find(|(name, _)| *name == prefix).map(|(_, factor)| *factor)
 }
 
-/// A number and the unit behind it, as in `12.34 µm`; a decimal comma counts as a point.
+/// Parses a number and the unit behind it, as in `12.34 µm`; a decimal comma counts as a point.
 pub fn number_with_unit(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let end = text.find(char::is_whitespace).unwrap_or(text.len());

@@ -1,4 +1,4 @@
-//! Writes heights to a file of the format that its name asks for.
+//! Writes heights to a file in the format of its extension.
 
 use super::{Topography, gsf, gwy, npy, text, tiff, x3p};
 use crate::error::{Error, Result};
@@ -10,7 +10,7 @@ use std::path::Path;
 pub enum ScanFormat {
     /// Gwyddion simple field: 32-bit floats with units.
     Gsf,
-    /// Gwyddion's own: float64 in metres. It has no place for samples that were not measured.
+    /// Gwyddion's native format: float64 in metres. It cannot mark samples that were not measured.
     Gwyddion,
     /// NumPy array of float64 in metres, without a lateral scale.
     Npy,
@@ -23,10 +23,10 @@ pub enum ScanFormat {
 }
 
 impl ScanFormat {
-    /// The format that a file name asks for.
+    /// Returns the format of a file name's extension.
     ///
     /// # Errors
-    /// An extension that stands for none.
+    /// An extension of no such format.
     pub fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("gsf") => Ok(Self::Gsf),
@@ -42,12 +42,12 @@ impl ScanFormat {
         }
     }
 
-    /// Whether heights keep 24 bits of their 53.
+    /// Returns true if heights are rounded to single precision, 24 of 53 bits.
     pub fn is_single(self) -> bool {
         matches!(self, Self::Gsf | Self::Tiff)
     }
 
-    /// Whether files carry the distance of samples.
+    /// Returns true if files carry the distance of samples.
     pub fn has_scale(self) -> bool {
         self != Self::Npy
     }

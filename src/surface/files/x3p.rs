@@ -16,19 +16,19 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 
-/// How a zip begins.
+/// First bytes of a zip.
 pub const MAGIC: &[u8] = b"PK\x03\x04";
 
 /// Largest number of declarations of namespaces in a description; real ones have two.
 const MOST_NAMESPACES: usize = 100;
 
-/// The name of the description.
+/// Name of the description.
 const MAIN: &str = "main.xml";
 
-/// The file in `bytes`.
+/// Reads the file in `bytes`.
 ///
 /// # Errors
-/// A zip of something else; a description without sizes; data of another size than it says.
+/// A zip of something else; a description without sizes; data of another size than the description says.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| unzip(&e))?;
     let main = main_name(&archive)?;
@@ -76,7 +76,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     Ok(scan)
 }
 
-/// One channel for each layer; what `mask` leaves out was not measured.
+/// Returns one channel for each layer; samples that `mask` excludes were not measured.
 fn layers(header: &X3pHeader, mut samples: Vec<f64>, mask: Option<Vec<u8>>) -> Result<Vec<Channel<'static>>> {
     if let Some(mask) = mask {
         if mask.len() < samples.len().div_ceil(8) {
@@ -103,7 +103,7 @@ fn layers(header: &X3pHeader, mut samples: Vec<f64>, mask: Option<Vec<u8>>) -> R
     Ok(channels)
 }
 
-/// What the description says.
+/// Fields of the description.
 struct X3pHeader {
     size: [usize; 2],
     layers: usize,
@@ -136,7 +136,7 @@ impl X3pHeader {
         };
         let size = size(side("SizeX")?, side("SizeY")?)?;
         let layers = side("SizeZ").unwrap_or(1);
-        /// Layers of one surface; the standard's own examples have one.
+        /// Largest number of layers of one surface; the standard's examples have one.
         const MOST_LAYERS: u64 = 64;
         if !(1..=MOST_LAYERS).contains(&layers) {
             return Err(damaged(format!("it has {layers} layers")));
@@ -169,8 +169,9 @@ impl X3pHeader {
 }
 
 impl X3pHeader {
-    /// Chooses the increment of heights that are floating-point numbers. The standard's own program adds the offset alone, and others multiply by
-    /// the increment, too. The one whose range is that of a surface is taken, and both where they are: the increment's. A note says which.
+    /// Chooses the increment of heights that are floating-point numbers. The standard's reference program adds the offset alone, others
+    /// multiply by the increment as well. The choice is the one whose range is that of a surface, and the increment if both are. A note
+    /// tells the choice.
     fn choose_scale(&mut self, data: &[u8]) -> Option<String> {
         /// Smallest and largest range of a measured surface \[m\].
         const RANGES: [f64; 2] = [1e-10, 1e-2];
@@ -195,13 +196,13 @@ impl X3pHeader {
     }
 }
 
-/// The element at `path` below `node`, whatever the namespaces.
+/// Returns the element at `path` below `node`, whatever the namespaces.
 fn at<'a>(node: Node<'a, 'a>, path: &[&str]) -> Option<Node<'a, 'a>> {
     let step = |node: Node<'a, 'a>, name: &&str| node.children().find(|c| c.tag_name().name() == *name);
     path.iter().try_fold(node, step)
 }
 
-/// The heights in the description itself. An empty entry was not measured; of several numbers in one, the last is the height.
+/// Reads the heights in the description itself. An empty entry was not measured; of several numbers in one, the last is the height.
 fn listed(root: Node, header: &X3pHeader, count: usize) -> Result<Vec<f64>> {
     let list = at(root, &["Record3", "DataList"]).ok_or_else(|| damaged("its description names no data"))?;
     let mut samples = Vec::new();
@@ -220,7 +221,7 @@ fn listed(root: Node, header: &X3pHeader, count: usize) -> Result<Vec<f64>> {
     Ok(samples)
 }
 
-/// The name of the description: in the root of the zip, or in the folder that lies highest.
+/// Returns the name of the description: in the root of the zip, or in the folder that lies highest.
 fn main_name(archive: &ZipArchive<Cursor<&[u8]>>) -> Result<String> {
     let is_main =
         |name: &str| name == MAIN || (name.ends_with("/main.xml") && !name.starts_with("__MACOSX/"));
@@ -234,12 +235,12 @@ fn main_name(archive: &ZipArchive<Cursor<&[u8]>>) -> Result<String> {
     })
 }
 
-/// Returns the name of a member as zips have it; some programs write backslashes.
+/// Returns the name of a member with slashes; some programs write backslashes.
 fn with_slashes(name: &str) -> String {
     name.replace('\\', "/")
 }
 
-/// The content of `name`, at most `most` bytes of it: what a header promises is not believed.
+/// Reads at most `most` bytes of `name`: the size in the header may be wrong.
 fn member<R: Read + Seek>(archive: &mut ZipArchive<R>, name: &str, most: u64) -> Result<Vec<u8>> {
     let names = archive.file_names().filter_map(|name| name.ok());
     let own = names.map(|own| own.into_owned()).find(|own| with_slashes(own) == name);
@@ -260,12 +261,12 @@ fn unzip(e: &ZipError) -> Error {
     }
 }
 
-/// Writes `scan` as float64 in metres; NaN for what was not measured.
+/// Writes `scan` as float64 in metres; NaN for samples that were not measured.
 ///
 /// # Errors
 /// The file cannot be written to.
 pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> std::io::Result<()> {
-    /// From how many bytes on a zip needs its 64-bit form.
+    /// Size from which a zip needs its 64-bit form \[bytes\].
     const LARGE: u64 = u32::MAX as u64;
     let count = (scan.size()[0] * scan.size()[1]) as u64;
     let options = SimpleFileOptions::default()
@@ -288,7 +289,7 @@ pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> std::io::Resu
     Ok(())
 }
 
-/// The description of `scan`, whose data have the check sum `sum`.
+/// Returns the description of `scan`, whose data have the check sum `sum`.
 fn description(scan: &Topography, sum: &str) -> String {
     let [columns, rows] = scan.size();
     let [dx, dy] = scan.spacing();

@@ -2,7 +2,7 @@ use super::super::testing::{BOTTOM, TOP, assert_robust, assert_rows, only, whole
 use super::super::topography::Spacing;
 use super::*;
 
-/// A zip of `members` by the zip crate.
+/// Returns a zip of `members` by the zip crate.
 fn archive(members: &[(&str, &[u8])]) -> Vec<u8> {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in members {

@@ -6,17 +6,17 @@ use super::table::{self, TextTable};
 use crate::error::{Error, Result};
 use crate::memory;
 
-/// Coordinates that differ by less than this share of the axis' length are one.
+/// Difference of equal coordinates, relative to the length of the axis.
 const SAME: f64 = 1e-7;
-/// How far from its place on the grid a coordinate may be, in steps: they are written with few digits.
+/// Largest distance of a coordinate from its grid place, in steps: coordinates are written with few digits.
 const AWAY: f64 = 0.1;
-/// The fewest measured points of a grid, as a share of its nodes.
+/// Smallest number of measured points of a grid, as a share of its nodes.
 const FEWEST: f64 = 0.25;
 
-/// The file in `bytes`. Nodes without a point were not measured.
+/// Reads the file in `bytes`. Nodes without a point were not measured.
 ///
 /// # Errors
-/// As [`table::parse`]; other than three numbers a line; points that are no regular grid.
+/// Those of [`table::parse`]; other than three numbers a line; points that are no regular grid.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     grid(&table::parse(&decode_text(bytes))?)
 }
@@ -24,7 +24,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 /// Returns the grid of the points in `table`.
 ///
 /// # Errors
-/// As [`read`].
+/// See [`read`].
 pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
     if table.columns != 3 {
         return Err(Error::failed(
@@ -68,7 +68,7 @@ pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
 /// Places along one axis: `count` of them, `step` apart.
 struct XyzAxis {
     low: f64,
-    /// 0 where there is one place only.
+    /// Distance of neighbouring places; 0 for a single place.
     step: f64,
     count: usize,
 }
@@ -111,7 +111,7 @@ fn no_grid() -> Error {
 mod tests {
     use super::*;
 
-    /// Heights row by row from the top of a grid written in an order of no use.
+    /// Returns the heights of a grid, row by row from the top.
     fn heights(text: &str) -> Vec<f64> {
         read(text.as_bytes()).unwrap().channels.remove(0).samples().unwrap()
     }

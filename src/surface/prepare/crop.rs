@@ -1,4 +1,4 @@
-//! Keeping a rectangle of a height field.
+//! Cropping of a height field to a rectangle.
 
 use super::words::{about, length, lengths};
 use crate::error::{Error, Result};
@@ -9,14 +9,14 @@ use std::fmt;
 /// A rectangle \[µm\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crop {
-    /// Its width and height; the nearest whole samples are kept.
+    /// Width and height, rounded to whole samples.
     pub size: [f64; 2],
-    /// Its left edge from the field's left one and its top edge from the field's top one; `None`: in the middle.
+    /// Distances of the left edge from the field's left edge and of the top edge from the field's top edge; `None`: in the middle.
     pub corner: Option<[f64; 2]>,
 }
 
 impl Crop {
-    /// `40um`, `40umx20um`, or either with a corner as in `40umx20um+5um+3um`.
+    /// Parses `40um`, `40umx20um`, or either with a corner as in `40umx20um+5um+3um`.
     pub(super) fn parse(text: &str) -> Result<Self> {
         const FORM: &str =
             "give a side as in 40um, two as in 40umx20um, and the corner as in 40umx20um+5um+3um";
@@ -29,7 +29,7 @@ impl Crop {
         Ok(Self { size: units::length_pair(size)?, corner })
     }
 
-    /// The samples of `field` that lie in the rectangle.
+    /// Returns the samples of `field` in the rectangle.
     pub(super) fn apply(&self, field: &HeightField) -> Result<HeightField> {
         let (columns, from_column) = self.range(0, field.columns(), field)?;
         let (rows, from_row) = self.range(1, field.rows(), field)?;
@@ -38,7 +38,7 @@ impl Crop {
         HeightField::new(columns, rows, field.pixel_size(), kept.copied().collect())
     }
 
-    /// How many of the `count` samples along `axis` are kept, and the first of them.
+    /// Returns the number of samples along `axis` that are kept, out of `count`, and the index of the first.
     fn range(&self, axis: usize, count: usize, field: &HeightField) -> Result<(usize, usize)> {
         let samples = |length: f64| (length / field.pixel_size()[axis]).round();
         let kept = samples(self.size[axis]).max(1.0);
@@ -57,7 +57,7 @@ impl Crop {
     }
 }
 
-/// The distance of a corner from the field's own: a length that may be 0.
+/// Parses the distance of a corner from the corner of the field: a length that may be 0.
 fn offset(text: &str) -> Result<f64> {
     let zero = ["0nm", "0um", "0mm"].contains(&text.trim());
     if zero { Ok(0.0) } else { units::length(text) }

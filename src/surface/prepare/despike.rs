@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 
-/// A sample is a spike where it is beyond the range of its eight neighbours by more than this many large steps.
+/// Distance of a spike from the range of its eight neighbours, in large steps.
 const CLEAR: f64 = 3.0;
 /// The step that counts as large: nine of ten steps between neighbouring samples are smaller. Some spikes do not move it, and the crest of
 /// a smooth surface is never three of its larger steps above its neighbours.
@@ -12,7 +12,7 @@ const LARGE_STEP: f64 = 0.9;
 /// Steps that the large one is chosen from, evenly spread over larger fields.
 const MOST_STEPS: usize = 1 << 20;
 
-/// `field` with every spike replaced by the median of its neighbours. Nothing else moves.
+/// Returns `field` with every spike replaced by the median of its neighbours. Nothing else moves.
 ///
 /// # Errors
 /// Heights so far apart that their differences are not finite numbers.
@@ -44,7 +44,7 @@ pub(super) fn apply(field: &HeightField) -> Result<HeightField> {
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)
 }
 
-/// The median of the up to eight neighbours of a sample that has one at least.
+/// Returns the median of the up to eight neighbours of a sample, of which there is at least one.
 fn median_of_neighbours(field: &HeightField, column: usize, row: usize) -> f64 {
     let mut around = Vec::with_capacity(8);
     for r in row.saturating_sub(1)..=(row + 1).min(field.rows() - 1) {
@@ -57,7 +57,7 @@ fn median_of_neighbours(field: &HeightField, column: usize, row: usize) -> f64 {
     super::rows::median(&around)
 }
 
-/// The absolute height difference of neighbouring samples that [`LARGE_STEP`] of all are below \[µm\].
+/// Returns the quantile [`LARGE_STEP`] of the absolute height differences of neighbouring samples \[µm\].
 fn large_step(field: &HeightField) -> f64 {
     let samples = field.heights().len();
     let steps_of = |i: usize| {

@@ -1,7 +1,7 @@
-//! Streaks: runs of samples along a row that differ from the rows above and below, where the probe lost the surface for a moment.
+//! Streaks: runs of samples along a row that differ from the rows above and below, left by a probe that lost the surface for a moment.
 //!
-//! Offsets of whole rows are [`super::Levelling::Rows`]' matter. A surface whose own grooves run along the rows and are one to three samples
-//! wide has such runs everywhere: leave this step out for it.
+//! Offsets of whole rows are removed by [`super::Levelling::Rows`]. A surface with grooves one to three samples wide along the rows has
+//! such runs everywhere: leave this step out for it.
 
 use crate::error::Result;
 use crate::surface::HeightField;
@@ -10,12 +10,12 @@ use rayon::prelude::*;
 /// A streak is above (or below) both rows beside it by more than this many times the RMS step from row to row. For a sinusoid of any period
 /// and direction the factor is at most √2.
 const CLEAR: f64 = 2.0;
-/// Rows that one streak covers at most.
+/// Largest number of rows of a streak.
 const WIDEST: usize = 3;
 /// Samples that a streak has at least; a quarter of a shorter row. Anything shorter may be a particle, which is about as high as wide.
 const SHORTEST: usize = 16;
 
-/// `field` with each streak replaced by the straight line between the samples above and below it. Nothing else moves.
+/// Returns `field` with each streak replaced by the straight line between the samples above and below it. Nothing else moves.
 ///
 /// # Errors
 /// Heights so far apart that their differences are not finite numbers.
@@ -39,7 +39,7 @@ pub(super) fn apply(field: &HeightField) -> Result<HeightField> {
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)
 }
 
-/// RMS height difference of neighbouring rows \[µm\].
+/// Returns the RMS height difference of neighbouring rows \[µm\].
 fn step_between_rows(field: &HeightField) -> f64 {
     let below = field.heights().iter().skip(field.columns());
     let squares: f64 = field.heights().iter().zip(below).map(|(a, b)| (a - b).powi(2)).sum();
@@ -64,7 +64,7 @@ impl Streak<'_> {
         self.field.row(self.first + self.width)
     }
 
-    /// By how much the rows are clear of both sides, in each column.
+    /// Returns the height by which the rows stand out of both neighbouring rows, in each column; negative if they do not.
     fn clearances(&self) -> Vec<f64> {
         let beside = self.above().iter().zip(self.below());
         let mut clearances = vec![f64::INFINITY; self.field.columns()];
@@ -76,7 +76,7 @@ impl Streak<'_> {
         clearances
     }
 
-    /// The runs of columns that are clear by more than `threshold`, each at least `shortest` long.
+    /// Returns the runs of columns that are clear by more than `threshold`, each at least `shortest` long.
     fn runs(&self, threshold: f64, shortest: usize) -> Vec<std::ops::Range<usize>> {
         let mut runs = Vec::new();
         let mut start = 0;

@@ -11,14 +11,14 @@ use rayon::prelude::*;
 /// The kernel's variance as a share of the slopes' mean square deviation: wide enough to reach the next mode, narrow enough to leave
 /// walls out (1/20, the value of Gwyddion's documentation).
 const KERNEL: f64 = 1.0 / 20.0;
-/// Steps of the iteration; it converges geometrically.
+/// Largest number of iterations, which converge geometrically.
 const MOST_ITERATIONS: usize = 100;
-/// A shift of this share of the slopes' deviation is rounding.
+/// Shift relative to the slopes' deviation below which it is rounding.
 const CONVERGED: f64 = 1e-10;
-/// Facets that are looked at, evenly spread over larger fields.
+/// Largest number of facets, evenly spread over larger fields.
 const MOST_FACETS: usize = 1 << 18;
 
-/// `field` less the plane of the most frequent slope and less its mean.
+/// Returns `field` less the plane of the most frequent slope and less its mean.
 ///
 /// # Errors
 /// Heights so large that their sums are not finite numbers.

@@ -1,4 +1,4 @@
-//! Heights between the samples of a line: a windowed sinc, and what lies beyond the ends.
+//! Heights between the samples of a line: a windowed sinc, and the continuation beyond the ends.
 
 use crate::surface::HeightField;
 use crate::surface::tiling::Tiling;
@@ -10,29 +10,30 @@ const LOBES: f64 = 8.0;
 /// Shape of the Kaiser window [Kaiser 1974]: side lobes 80 dB down.
 const BETA: f64 = 8.0;
 
-/// What lies beyond the ends of a line.
+/// Continuation of a line beyond its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EdgeRule {
-    /// The line again: the field tiles.
+    /// Periodic: the line again.
     Copies,
-    /// The line turned about its end by half a turn, which goes on with a slope as it is.
+    /// Point reflection about the end sample, which continues the slope.
     Turned,
 }
 
 impl EdgeRule {
-    /// What suits a field along `axis`.
+    /// Returns the periodic rule if `tiling` joins along `axis`, otherwise the point reflection.
     pub(super) fn of(tiling: &Tiling, axis: usize) -> Self {
         if tiling.joins(axis) { Self::Copies } else { Self::Turned }
     }
 
-    /// The sample at `index` of the endless line that `line` is continued to.
+    /// Returns the sample at `index` of the continued `line`.
     fn sample(self, line: &[f64], index: isize) -> f64 {
         let n = line.len() as isize;
         match self {
             Self::Copies => line[index.rem_euclid(n) as usize],
             Self::Turned if n == 1 => line[0],
             Self::Turned => {
-                // Half turns about both ends in turn: twice the way from end to end, the line is repeated that much higher.
+                // Point reflections about both ends in turn: the line repeats every 2(n − 1) samples, higher by twice the difference of its
+                // ends.
                 let (span, last) = (2 * (n - 1), n - 1);
                 let (turns, place) = (index.div_euclid(span), index.rem_euclid(span));
                 let rise = 2.0 * (line[last as usize] - line[0]) * turns as f64;
@@ -46,25 +47,26 @@ impl EdgeRule {
         }
     }
 
-    /// `line` with `pad` samples more at each end.
+    /// Returns `line` with `pad` samples more at each end.
     pub(super) fn extended(self, line: &[f64], pad: usize) -> Vec<f64> {
         let pad = pad as isize;
         (-pad..line.len() as isize + pad).map(|i| self.sample(line, i)).collect()
     }
 }
 
-/// The weights that take a line of one number of samples to another over the same length.
+/// Weights of the interpolation from one number of samples to another over the same length.
 pub(super) struct Resampler {
-    /// For each new sample the first of the padded old ones that it reads, and their weights.
+    /// First padded old sample of each new sample, and the weights from there on.
     taps: Vec<(usize, Vec<f64>)>,
     pad: usize,
 }
 
 impl Resampler {
-    /// From `old` to `new` samples, at the centres of equal cells of one length. Frequencies that the new samples cannot hold are left out.
+    /// Computes the weights from `old` to `new` samples, at the centres of equal cells of one length. Frequencies that the new samples
+    /// cannot hold are left out.
     pub(super) fn new(old: usize, new: usize) -> Self {
         let ratio = old as f64 / new as f64;
-        // Where samples become fewer the sinc is wider: its cut-off is that of the new samples.
+        // Fewer samples need a wider sinc: its cut-off frequency is that of the new samples.
         let scale = ratio.max(1.0);
         let reach = LOBES * scale;
         let pad = reach.ceil() as usize + 1;
@@ -81,7 +83,7 @@ impl Resampler {
         Self { taps: (0..new).map(tap).collect(), pad }
     }
 
-    /// The new samples of `line`.
+    /// Returns the new samples of `line`.
     pub(super) fn apply<'a>(&'a self, line: &[f64], beyond: EdgeRule) -> impl Iterator<Item = f64> + use<'a> {
         let extended = beyond.extended(line, self.pad);
         let sum = move |(first, weights): &(usize, Vec<f64>)| -> f64 {
@@ -91,7 +93,7 @@ impl Resampler {
     }
 }
 
-/// sinc(x) under a Kaiser window of [`LOBES`] on each side.
+/// Returns sinc(x) under a Kaiser window of [`LOBES`] on each side.
 fn kernel(x: f64) -> f64 {
     let inside = 1.0 - (x / LOBES).powi(2);
     if inside < 0.0 {
@@ -101,7 +103,7 @@ fn kernel(x: f64) -> f64 {
     sinc * bessel_i0(BETA * inside.sqrt()) / bessel_i0(BETA)
 }
 
-/// The modified Bessel function I₀ by its power series [Abramowitz and Stegun 9.6.12]; here 0 ≤ x ≤ [`BETA`].
+/// Returns the modified Bessel function I₀ by its power series [Abramowitz and Stegun 9.6.12]; here 0 ≤ x ≤ [`BETA`].
 fn bessel_i0(x: f64) -> f64 {
     let quarter = x * x / 4.0;
     let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
@@ -121,7 +123,7 @@ pub(super) struct Spline {
 }
 
 impl Spline {
-    /// The coefficients, by a recursive filter along each axis.
+    /// Computes the coefficients by a recursive filter along each axis.
     pub(super) fn new(field: &HeightField) -> Self {
         use rayon::prelude::*;
         let (columns, rows) = (field.columns(), field.rows());
@@ -132,7 +134,7 @@ impl Spline {
         Self { columns, rows, coefficients: transposed(rows, &turned) }
     }
 
-    /// The height at `column`, `row` between the samples; both within the field.
+    /// Returns the height at `column`, `row` between the samples; both within the field.
     pub(super) fn at(&self, column: f64, row: f64) -> f64 {
         let (first_column, across) = cubic_weights(column);
         let (first_row, down) = cubic_weights(row);
@@ -150,7 +152,7 @@ impl Spline {
     }
 }
 
-/// The first of four samples and their weights.
+/// Returns the first of four samples and their weights.
 fn cubic_weights(place: f64) -> (isize, [f64; 4]) {
     let floor = place.floor();
     let t = place - floor;
@@ -160,7 +162,7 @@ fn cubic_weights(place: f64) -> (isize, [f64; 4]) {
     (floor as isize - 1, weights.map(|w| w / 6.0))
 }
 
-/// An index reflected into 0 … n − 1 at the end samples; it is off by a few at most.
+/// Reflects an index into 0 … n − 1 at the end samples; the index is off by a few at most.
 fn reflected(index: isize, n: usize) -> usize {
     let last = n as isize - 1;
     if last == 0 {

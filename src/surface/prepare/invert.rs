@@ -1,11 +1,11 @@
-//! The mould of a surface: hills become valleys. A stamper is the mould of a disc.
+//! Mould of a surface: hills become valleys. A stamper is the mould of a disc.
 //!
-//! The height changes its sign and nothing moves sideways: to look at a mould from its own side, mirror it as well.
+//! The height changes its sign and nothing moves sideways: to look at a mould from its moulded side, mirror it as well.
 
 use crate::error::Result;
 use crate::surface::HeightField;
 
-/// `field` with every height `h` replaced by `−h`.
+/// Returns `field` with every height `h` replaced by `−h`.
 pub(super) fn apply(field: &HeightField) -> Result<HeightField> {
     let heights = field.heights().iter().map(|h| -h).collect();
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)

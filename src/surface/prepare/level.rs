@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use std::fmt;
 
-/// What is subtracted from a height field.
+/// Offset, tilt, bow or scan line offsets to subtract from a height field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Levelling {
     /// Nothing.
@@ -26,10 +26,10 @@ pub enum Levelling {
 }
 
 impl Levelling {
-    /// The largest degree of [`Levelling::Polynomial`]. Higher ones follow the structure itself.
+    /// Largest degree of [`Levelling::Polynomial`]. Higher degrees follow the structure itself.
     pub const MAX_DEGREE: u8 = 12;
 
-    /// The choice that `text` names.
+    /// Parses a levelling.
     ///
     /// # Errors
     /// Another word, a degree that is missing or out of range.
@@ -75,7 +75,7 @@ impl fmt::Display for Levelling {
 }
 
 impl HeightField {
-    /// The field less what `level` says.
+    /// Returns the field less the part that `level` describes.
     ///
     /// # Errors
     /// Heights so large that their sums are not finite numbers.

@@ -39,7 +39,7 @@ pub enum PreparationStep {
     Despike,
     /// Replaces streaks along rows: runs of samples that differ from the rows above and below.
     Destripe,
-    /// Takes away the shape of a tip with this radius of curvature.
+    /// Removes the shape of a tip with this radius of curvature.
     DeconvolveTip(f64),
     /// Keeps a rectangle.
     Crop(Crop),
@@ -47,22 +47,22 @@ pub enum PreparationStep {
     Resample([f64; 2]),
     /// Turns the surface about its normal.
     Rotate(Rotation),
-    /// Lets the heights fade to their mean over this length at each edge.
+    /// Fades the heights to their mean over this length at each edge.
     Taper(f64),
     /// Makes the edges meet.
     Tile(Tile),
-    /// Turns hills into valleys: the mould of the surface.
+    /// Inverts heights: the mould of the surface.
     Invert,
 }
 
 impl PreparationStep {
-    /// The field after this step.
+    /// Returns the field after this step.
     ///
     /// # Errors
     /// A rectangle that is not inside the field, a length that the field is too small for, grooves that cannot be found, a result that is
     /// too large, heights whose sums are not finite numbers.
     pub fn apply(&self, field: &HeightField) -> Result<HeightField> {
-        /// The result, and what a step holds beside it.
+        /// Fields in memory during a step: the result and working copies.
         const COPIES: u64 = 3;
         let bytes = COPIES * size_of_val(field.heights()) as u64;
         memory::ensure_room(bytes, &format!("the step `{self}`"))?;
@@ -81,21 +81,21 @@ impl PreparationStep {
         apply().map_err(|e| e.at(self))
     }
 
-    /// Whether the step leaves every field as it is.
+    /// Returns true if the step leaves every field unchanged.
     pub fn is_nothing(&self) -> bool {
         *self == Self::Level(Levelling::None)
     }
 }
 
-/// The field after all `steps`, in their order.
+/// Applies all `steps` to `field` in their order.
 ///
 /// # Errors
-/// As [`PreparationStep::apply`]; names the step.
+/// See [`PreparationStep::apply`]; the message names the step.
 pub fn apply_all(field: HeightField, steps: &[PreparationStep]) -> Result<HeightField> {
     steps.iter().try_fold(field, |field, step| step.apply(&field))
 }
 
-/// The steps in words, as scene files list them: `level plane, crop 40um`; `none` where there are none.
+/// Returns the steps in words, in the form of scene files: `level plane, crop 40um`; `none` for no step.
 pub fn describe(steps: &[PreparationStep]) -> String {
     if steps.is_empty() {
         return "none".to_owned();
@@ -114,7 +114,7 @@ mod tests {
         HeightField::new(columns, rows, pixel, (0..columns * rows).map(at).collect()).unwrap()
     }
 
-    /// The largest absolute difference of two fields of one grid \[µm\].
+    /// Returns the largest absolute difference of two fields of one grid \[µm\].
     pub(super) fn difference(a: &HeightField, b: &HeightField) -> f64 {
         assert_eq!((a.columns(), a.rows()), (b.columns(), b.rows()));
         a.heights().iter().zip(b.heights()).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()))

@@ -1,14 +1,14 @@
-//! The polynomial of least squares over a grid.
+//! Least-squares polynomial over a grid.
 //!
-//! On a full grid the products P_i(x) P_j(y) of the orthonormal polynomials of each axis (Gram polynomials, the discrete
-//! Legendre polynomials) are orthonormal, so that every coefficient is a projection of its own and no system is solved:
-//! c_ij = Σ h P_i(x) P_j(y), for i + j up to the total degree.
+//! On a full grid the products P_i(x) P_j(y) of the orthonormal polynomials of each axis (Gram polynomials, the discrete Legendre
+//! polynomials) are orthonormal. Every coefficient is therefore a projection, c_ij = Σ h P_i(x) P_j(y) for i + j up to the total degree,
+//! and no system is solved.
 
 use crate::error::Result;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 
-/// `field` less the polynomial of least squares of total degree `degree`; of degree 0 that is the mean, of degree 1 the plane.
+/// Returns `field` less the polynomial of least squares of total degree `degree`: the mean for degree 0, the plane for degree 1.
 ///
 /// # Errors
 /// Heights so large that their sums are not finite numbers.
@@ -40,15 +40,15 @@ pub(super) fn subtract(field: &HeightField, degree: usize) -> Result<HeightField
     HeightField::new(columns, field.rows(), field.pixel_size(), heights)
 }
 
-/// The orthonormal polynomials of degree 0 … `degree` on `n` equidistant points, by the three-term recurrence of Stieltjes. Fewer where
-/// there are fewer points than coefficients: those already fit every height.
+/// Returns the orthonormal polynomials of degree 0 … `degree` on `n` equidistant points, by the three-term recurrence of Stieltjes; at most
+/// `n`, which fit every height.
 fn gram_polynomials(n: usize, degree: usize) -> Vec<Vec<f64>> {
     let place = |i: usize| (2 * i + 1) as f64 / n as f64 - 1.0;
     let mut polynomials = vec![vec![1.0 / (n as f64).sqrt(); n]];
     while polynomials.len() <= degree.min(n - 1) {
         let mut next: Vec<f64> =
             polynomials[polynomials.len() - 1].iter().enumerate().map(|(i, p)| place(i) * p).collect();
-        // Against all before and twice, not only against the last two: what rounding leaves would grow with the degree.
+        // Orthogonalised against all former ones, twice, not only against the last two: rounding errors would grow with the degree.
         for _ in 0..2 {
             for p in &polynomials {
                 let part: f64 = next.iter().zip(p).map(|(a, b)| a * b).sum();

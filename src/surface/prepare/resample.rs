@@ -7,8 +7,8 @@ use crate::surface::transpose::transposed;
 use crate::surface::{HeightField, MAX_SIDE, tiling};
 use rayon::prelude::*;
 
-/// `field` with samples about `spacing` \[µm\] apart: the nearest spacing that divides the patch, so that the patch keeps its size and a
-/// field that tiles still does. Frequencies that the new samples cannot hold are filtered out.
+/// Returns `field` with samples about `spacing` \[µm\] apart: the nearest spacing that divides the patch, so that the patch keeps its size
+/// and a periodic field stays periodic. Frequencies that the new samples cannot hold are filtered out.
 ///
 /// # Errors
 /// More samples than [`MAX_SIDE`] on a side or than the memory holds.
@@ -32,7 +32,7 @@ pub(super) fn apply(field: &HeightField, spacing: [f64; 2]) -> Result<HeightFiel
     HeightField::new(columns, rows, pixel_size, transposed(rows, &both))
 }
 
-/// Rows of `old` samples as rows of `new` ones.
+/// Resamples rows of `old` samples to rows of `new` ones.
 fn along_rows(heights: &[f64], old: usize, new: usize, beyond: EdgeRule) -> Vec<f64> {
     if old == new {
         return heights.to_vec();

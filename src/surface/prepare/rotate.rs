@@ -8,7 +8,7 @@ use crate::units;
 use rayon::prelude::*;
 use std::fmt;
 
-/// By how much a surface is turned.
+/// Rotation of a surface about its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
     /// Counter-clockwise by this angle, −360 … 360 \[degrees\].
@@ -17,11 +17,11 @@ pub enum Rotation {
     Auto,
 }
 
-/// Angles nearer to a quarter turn than this are one \[degrees\]: samples change their places and nothing is interpolated.
+/// Largest deviation from a quarter turn that counts as one \[degrees\]: samples change their places without interpolation.
 const EXACT: f64 = 1e-9;
 
 impl Rotation {
-    /// An angle, or `auto`.
+    /// Parses an angle, or `auto`.
     pub(super) fn parse(text: &str) -> Result<Self> {
         if text == "auto" {
             return Ok(Self::Auto);
@@ -36,10 +36,10 @@ impl Rotation {
         ))
     }
 
-    /// The angle by which `field` is turned \[degrees\].
+    /// Returns the angle by which `field` is turned \[degrees\].
     ///
     /// # Errors
-    /// Where no period stands out that the angle could be found from.
+    /// No period that stands out of the spectrum, for [`Rotation::Auto`].
     pub fn angle(self, field: &HeightField) -> Result<f64> {
         match self {
             Self::By(angle) => Ok(angle),
@@ -54,8 +54,8 @@ impl Rotation {
         }
     }
 
-    /// The largest upright rectangle of the turned field, with the same distances between samples. A quarter turn keeps every sample; other
-    /// angles interpolate by cubic splines.
+    /// Rotates `field`, and returns the largest upright rectangle in it, with the same distances between samples. A quarter turn keeps
+    /// every sample; other angles interpolate by cubic splines.
     pub(super) fn apply(self, field: &HeightField) -> Result<HeightField> {
         let angle = self.angle(field)?;
         let quarters = (angle / 90.0).round();
@@ -92,7 +92,7 @@ fn quarter_turns(field: &HeightField, quarters: usize) -> Result<HeightField> {
     }
 }
 
-/// `field` turned counter-clockwise by `angle` \[radians\].
+/// Returns `field` turned counter-clockwise by `angle` \[radians\].
 fn turned(field: &HeightField, angle: f64) -> Result<HeightField> {
     let [dx, dy] = field.pixel_size();
     let last = [field.columns() - 1, field.rows() - 1].map(|n| n as f64);
@@ -107,7 +107,7 @@ fn turned(field: &HeightField, angle: f64) -> Result<HeightField> {
         let y = ((rows - 1) as f64 / 2.0 - row as f64) * dy;
         for (column, h) in out.iter_mut().enumerate() {
             let x = (column as f64 - (columns - 1) as f64 / 2.0) * dx;
-            // Where the sample comes from: turned back.
+            // Position in the field before the rotation.
             let (u, v) = (cos * x + sin * y, cos * y - sin * x);
             *h = spline.at(
                 (u / dx + last[0] / 2.0).clamp(0.0, last[0]),
@@ -118,7 +118,7 @@ fn turned(field: &HeightField, angle: f64) -> Result<HeightField> {
     HeightField::new(columns, rows, field.pixel_size(), heights)
 }
 
-/// Width and height of the largest upright rectangle in one of `size` that is turned by `angle` \[radians\].
+/// Returns the width and height of the largest upright rectangle in one of `size` that is turned by `angle` \[radians\].
 ///
 /// Its corners touch the turned sides: all four of them, w|cos| + h|sin| = W and w|sin| + h|cos| = H, or, where that rectangle would leave
 /// the turned one, two opposite corners the middle of the long sides.
@@ -150,7 +150,7 @@ mod tests {
         let surface = field(3, 2, |x, y| 10.0 * x + y);
         let quarter = rotate("90deg", &surface);
         assert_eq!((quarter.columns(), quarter.rows(), quarter.pixel_size()), (2, 3, [0.07, 0.1]));
-        // What was on the right is at the top, what was at the top is on the left.
+        // The right column becomes the top row, and the top row the left column.
         assert_eq!(quarter.row(0), [surface.row(0)[2], surface.row(1)[2]]);
         assert_eq!(rotate("90deg", &quarter), rotate("180deg", &surface));
         assert_eq!(rotate("90deg", &rotate("180deg", &surface)), rotate("-90deg", &surface));

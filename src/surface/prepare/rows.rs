@@ -1,10 +1,10 @@
-//! Offsets between scan lines: each row less its own mean or median.
+//! Offsets between scan lines: the mean or the median of each row is subtracted from the row.
 
 use crate::error::Result;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 
-/// `field` with `centre` of each row subtracted from the row.
+/// Returns `field` with `centre` of each row subtracted from the row.
 ///
 /// # Errors
 /// Heights so large that their sums are not finite numbers.
@@ -17,14 +17,14 @@ pub(super) fn subtract(field: &HeightField, centre: fn(&[f64]) -> f64) -> Result
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)
 }
 
-/// The mean of a row that is not empty.
+/// Returns the mean of a row that is not empty.
 pub(super) fn mean(row: &[f64]) -> f64 {
     // From the first height on: large offsets would cost digits.
     let first = row[0];
     first + row.iter().map(|h| h - first).sum::<f64>() / row.len() as f64
 }
 
-/// The median of a row that is not empty; of an even number the mean of the two in the middle.
+/// Returns the median of a row that is not empty; for an even number of samples the mean of the two in the middle.
 pub(super) fn median(row: &[f64]) -> f64 {
     let mut sorted = row.to_vec();
     let middle = sorted.len() / 2;
@@ -43,7 +43,7 @@ mod tests {
     use crate::surface::prepare::Levelling;
     use crate::surface::prepare::tests::{difference, field};
 
-    /// Ridges across the rows, each row with an offset of its own where there is one.
+    /// Returns ridges across the rows, each row with a different offset of at most `offset`.
     fn ridges(offset: f64) -> HeightField {
         let row_offset = |y: f64| offset * (y * 91.7).sin();
         field(50, 21, |x, y| (x * 8.0).sin() + row_offset(y))

@@ -6,7 +6,8 @@ use crate::surface::HeightField;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// `field` with its deviation from the mean height multiplied by a raised cosine (a Tukey window) over `length` \[µm\] at each edge.
+/// Returns `field` with its deviation from the mean height multiplied by a raised cosine (a Tukey window) over `length` \[µm\] at each
+/// edge.
 ///
 /// # Errors
 /// A `length` of more than half a side.
@@ -29,7 +30,7 @@ pub(super) fn apply(field: &HeightField, length: f64) -> Result<HeightField> {
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)
 }
 
-/// 1 inside, falling to 0 at the outer edges of the first and the last of `n` cells.
+/// Returns a window of 1 inside, falling to 0 at the outer edges of the first and the last of `n` cells.
 fn window(n: usize, spacing: f64, length: f64) -> Vec<f64> {
     let weight = |i: usize| {
         let from_edge = (i.min(n - 1 - i) as f64 + 0.5) * spacing;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-/// How edges are made to meet.
+/// Method that makes the edges of a field meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tile {
     /// The field, its mirror image beside it, and both upside down below: four times the samples, every height as it is. Grooves that are
@@ -20,7 +20,7 @@ pub enum Tile {
 }
 
 impl Tile {
-    /// `mirror`, `blend` or `blend:LENGTH`.
+    /// Parses `mirror`, `blend` or `blend:LENGTH`.
     pub(super) fn parse(text: &str) -> Result<Self> {
         match text.split_once(':') {
             None if text == "mirror" => Ok(Self::Mirror),
@@ -33,7 +33,7 @@ impl Tile {
         }
     }
 
-    /// A field whose edges meet.
+    /// Returns a field whose edges meet.
     pub(super) fn apply(self, field: &HeightField) -> Result<HeightField> {
         match self {
             Self::Mirror => mirrored(field),
@@ -100,7 +100,7 @@ fn blended(field: &HeightField, width: Option<f64>) -> Result<HeightField> {
     HeightField::new(columns, rows, field.pixel_size(), heights)
 }
 
-/// Samples along a side of `n` that fade: of `width` \[µm\], or an eighth of them.
+/// Returns the number of samples along a side of `n` that fade: over `width` \[µm\], or an eighth of them.
 fn overlap(width: Option<f64>, n: usize, spacing: f64) -> Result<usize> {
     let samples = width.map_or(n / 8, |width| (width / spacing).round() as usize);
     if 2 * samples <= n {
@@ -112,7 +112,7 @@ fn overlap(width: Option<f64>, n: usize, spacing: f64) -> Result<usize> {
     ))
 }
 
-/// Sums of the products of the deviations from `mean`: a·a, b·b and a·b.
+/// Returns the sums of the products of the deviations from `mean`: a·a, b·b and a·b.
 fn moments(a: &[f64], b: &[f64], mean: f64) -> [f64; 3] {
     let products = a.iter().zip(b).map(|(a, b)| (a - mean, b - mean));
     products.fold([0.0; 3], |s, (a, b)| [s[0] + a * a, s[1] + b * b, s[2] + a * b])
@@ -122,7 +122,7 @@ fn moments(a: &[f64], b: &[f64], mean: f64) -> [f64; 3] {
 /// would have half of it. For the correlation ρ of the parts the weights w and 1 − w are divided by √(w² + (1 − w)² + 2ρw(1 − w))
 /// [Heitz and Neyret 2018, "High-performance by-example noise using a histogram-preserving blending operator", eq. 4, for ρ = 0].
 struct Crossfade {
-    /// Of the first edge's and the last edge's height.
+    /// Weights of the first edge's and of the last edge's height.
     weights: Vec<[f64; 2]>,
 }
 
@@ -141,7 +141,8 @@ impl Crossfade {
         Self { weights: weights.collect() }
     }
 
-    /// The height `i` samples from the first edge, from what is there (`first`) and what lies as far behind the cut (`last`).
+    /// Returns the height `i` samples from the first edge, blended from the height there (`first`) and the one as far behind the cut
+    /// (`last`).
     fn mix(&self, i: usize, first: f64, last: f64, mean: f64) -> f64 {
         let [a, b] = self.weights[i];
         mean + a * (first - mean) + b * (last - mean)
@@ -155,7 +156,7 @@ mod tests {
     use crate::surface::synth::{Spec, SurfaceKind, generate};
     use crate::surface::tiling::{Verdict, tiles};
 
-    /// A part of a skin, cut where nothing meets.
+    /// Returns a part of a skin whose edges do not meet.
     fn part() -> HeightField {
         let skin =
             generate(&Spec { patch: Some([20.0; 2]), seed: 4, ..Spec::new(SurfaceKind::Elaphe) }).unwrap();

@@ -1,4 +1,4 @@
-//! The probe's tip: what it could reach of the surface, from what it recorded.
+//! Deconvolution of the probe's tip: an upper bound of the surface from the recorded heights.
 //!
 //! A scan is the surface dilated by the reflected tip: hills look wider, pits narrower. Eroding the scan by the same tip gives the least upper
 //! bound of all surfaces that the scan allows, and the surface itself wherever the tip touched it [Villarrubia 1997, "Algorithms for scanned
@@ -12,7 +12,7 @@ use crate::surface::HeightField;
 use crate::surface::transpose::transposed;
 use rayon::prelude::*;
 
-/// `field` eroded by a tip whose apex has the radius of curvature `radius` \[µm\].
+/// Returns `field` eroded by a tip whose apex has the radius of curvature `radius` \[µm\].
 ///
 /// Samples beyond the edges are unknown and bound nothing.
 ///
@@ -38,7 +38,7 @@ pub(super) fn apply(field: &HeightField, radius: f64) -> Result<HeightField> {
 #[derive(Default)]
 struct ParabolaEnvelope {
     line: Vec<f64>,
-    /// The samples whose parabolas are seen from below, and where each begins to be.
+    /// Samples whose parabolas are part of the envelope, and the column at which each begins.
     seen: Vec<(usize, f64)>,
 }
 
@@ -51,7 +51,7 @@ impl ParabolaEnvelope {
         for (i, &h) in self.line.iter().enumerate() {
             let mut begins = f64::NEG_INFINITY;
             while let Some(&(j, from)) = self.seen.last() {
-                // Where the parabolas at i and j cross.
+                // Column at which the parabolas at i and j cross.
                 let rise = (h - self.line[j]) / (bend * (i - j) as f64);
                 begins = 0.5 * ((i + j) as f64 + rise);
                 if begins > from {
@@ -68,7 +68,7 @@ impl ParabolaEnvelope {
                 lowest += 1;
             }
             let j = self.seen[lowest].0;
-            // A sample bounds itself, also where rounding puts a crossing on the wrong side of it.
+            // A sample bounds itself, even if rounding puts a crossing on the wrong side of it.
             *h = h.min(self.line[j] + bend * (i as f64 - j as f64).powi(2));
         }
     }
@@ -80,7 +80,7 @@ mod tests {
     use crate::random::Random;
     use crate::surface::prepare::tests::{difference, field};
 
-    /// What a tip records of `surface`: the dilation, which is the erosion of the mould.
+    /// Returns the scan of `surface` by a tip: the dilation, which is the erosion of the mould.
     fn scanned(surface: &HeightField, radius: f64) -> HeightField {
         let mould = |f: &HeightField| super::super::invert::apply(f).unwrap();
         mould(&apply(&mould(surface), radius).unwrap())

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::units;
 use std::fmt;
 
-/// Every step's word, which is its option's name, and what follows it; empty where nothing does.
+/// Every step's word, which is the name of its option, and the form of its value; empty for a step without a value.
 pub const WORDS: [(&str, &str); 10] = [
     ("level", "none|mean|plane|polynomial:N|rows|rows-median|facet"),
     ("despike", ""),
@@ -46,7 +46,7 @@ pub(super) const EXAMPLES: [&str; 21] = [
 ];
 
 impl PreparationStep {
-    /// The step that `text` names, its word first: `level plane`.
+    /// Parses a step, its word first: `level plane`.
     ///
     /// # Errors
     /// An unknown word; a value that is missing, superfluous or cannot be meant.
@@ -56,10 +56,10 @@ impl PreparationStep {
         Self::from_option(word, value.trim())
     }
 
-    /// The step of `word` with `value`; `value` is empty where the step takes none.
+    /// Parses the step of `word` with `value`; `value` is empty for a step that takes none.
     ///
     /// # Errors
-    /// As [`PreparationStep::parse`].
+    /// See [`PreparationStep::parse`].
     pub fn from_option(word: &str, value: &str) -> Result<Self> {
         let without = |step| {
             let refuse = || Error::usage(format!("`{word}` takes no value"), format!("write `{word}` alone"));
@@ -101,7 +101,7 @@ impl fmt::Display for PreparationStep {
     }
 }
 
-/// A length \[µm\] in the unit that writes it shortest, so that [`units::length`] reads the same number.
+/// Writes a length \[µm\] in the unit with the shortest text, so that [`units::length`] reads the same number.
 pub(super) fn length(um: f64) -> String {
     /// Decimal digits that a rounded number keeps; more than any instrument has.
     const DIGITS: f64 = 1e12;
@@ -117,7 +117,7 @@ pub(super) fn length(um: f64) -> String {
     exact.min_by_key(String::len).unwrap_or_else(|| format!("{um}um"))
 }
 
-/// A length \[µm\] to four digits, for messages.
+/// Writes a length \[µm\] to four digits, for messages.
 pub(super) fn about(um: f64) -> String {
     let decimals = (3.0 - um.abs().max(1e-6).log10().floor()).max(0.0) as usize;
     let text = format!("{um:.decimals$}");
@@ -125,7 +125,7 @@ pub(super) fn about(um: f64) -> String {
     format!("{short}um")
 }
 
-/// Two lengths \[µm\], or one that stands for both.
+/// Writes two lengths \[µm\], or one if both are equal.
 pub(super) fn lengths([x, y]: [f64; 2]) -> String {
     if x == y { length(x) } else { format!("{}x{}", length(x), length(y)) }
 }

@@ -5,7 +5,7 @@ use crate::surface::si::{metres, metres_of_both, metres_of_option};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Height parameters of ISO 25178-2:2021, section 4.2, about the mean height, and what the data look like.
+/// Height parameters of ISO 25178-2:2021, section 4.2, about the mean height, and the defects of the data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HeightParameters {
     /// Lowest and highest height \[µm\].
@@ -24,12 +24,12 @@ pub struct HeightParameters {
     pub ssk: f64,
     /// Kurtosis Sku: 3 for normally distributed heights, more for rare high ones, 1.5 for a sinusoid. 0 for a flat field.
     pub sku: f64,
-    /// How many different heights occur.
+    /// Number of different heights.
     pub levels: usize,
-    /// The step of which all heights are multiples, apart from an offset \[µm\]; `None` where there is no such step.
+    /// Step of which all heights are multiples, apart from an offset \[µm\]; `None` if there is no such step.
     #[serde(rename = "quantisation_m", serialize_with = "metres_of_option")]
     pub quantisation: Option<f64>,
-    /// Share of the samples beyond three standard deviations: 0.0027 for normally distributed heights, more where there is dust.
+    /// Share of the samples beyond three standard deviations: 0.0027 for normally distributed heights, more with dust.
     pub outliers: f64,
     /// Height range of all samples but the 0.05 % highest and the 0.05 % lowest \[µm\]. Where it is much smaller than the whole range,
     /// a few samples set the range, and with it the cost of the optics.
@@ -59,7 +59,7 @@ impl HeightParameters {
         let [sa, variance, third, fourth] = sums.map(|sum| sum / count);
         let sq = variance.sqrt();
         let (low, high) = field.range();
-        // Rounding leaves this much where all heights are equal.
+        // Equal heights have an `sq` of at most this by rounding.
         let flat = sq <= 1e-15 * low.abs().max(high.abs());
         let beyond = heights.par_iter().filter(|h| (*h - mean).abs() > OUTLIER * sq).count();
         let levels = distinct(heights);
@@ -78,13 +78,13 @@ impl HeightParameters {
     }
 }
 
-/// The mean height \[µm\], from sums of rows, which lose less than one long sum.
+/// Returns the mean height \[µm\], from sums of rows, which lose fewer digits than one long sum.
 pub fn mean(field: &HeightField) -> f64 {
     let total: f64 = (0..field.rows()).map(|row| field.row(row).iter().sum::<f64>()).sum();
     total / field.heights().len() as f64
 }
 
-/// The root mean square deviation Sq \[µm\] alone.
+/// Returns the root mean square deviation Sq \[µm\] alone.
 pub fn deviation(field: &HeightField) -> f64 {
     let mean = mean(field);
     let squares = |row: &[f64]| row.iter().map(|h| (h - mean).powi(2)).sum::<f64>();
@@ -92,23 +92,23 @@ pub fn deviation(field: &HeightField) -> f64 {
     (total / field.heights().len() as f64).sqrt()
 }
 
-/// The different heights, lowest first.
+/// Returns the different heights, lowest first.
 fn distinct(heights: &[f64]) -> Vec<f64> {
-    /// Heights that are copied at once: those of an image are few different ones, a copy of all of them may be gigabytes.
+    /// Heights that are copied at once: an image has few different ones, and a copy of all may be gigabytes.
     const AT_ONCE: usize = 1 << 20;
     let sorted = |mut some: Vec<f64>| {
         some.par_sort_unstable_by(f64::total_cmp);
         some.dedup_by(|a, b| *a == *b); // 0 and −0 are one height
-        some.shrink_to_fit(); // or each keeps the room of what it was
+        some.shrink_to_fit(); // otherwise each keeps its former capacity
         some
     };
     let parts: Vec<Vec<f64>> = heights.par_chunks(AT_ONCE).map(|part| sorted(part.to_vec())).collect();
     sorted(parts.concat())
 }
 
-/// The step between `levels` (lowest first) where all distances are multiples of the smallest one.
+/// Returns the step between `levels` (lowest first); `None` unless all distances are multiples of the smallest one.
 fn quantisation(levels: &[f64]) -> Option<f64> {
-    /// Codes of 16 bits; more different heights are taken for numbers without a step.
+    /// Number of codes of 16 bits; more different heights count as numbers without a step.
     const MOST: usize = 1 << 16;
     /// A distance may be off by this share of the step: rounding, and steps written in decimal.
     const OFF: f64 = 1e-3;
@@ -125,9 +125,9 @@ fn quantisation(levels: &[f64]) -> Option<f64> {
     (span / step <= MOST as f64 && levels.iter().all(whole)).then_some(step)
 }
 
-/// The height range \[µm\] without [`CORE`] of the samples at each end.
+/// Returns the height range \[µm\] without [`CORE`] of the samples at each end.
 pub(super) fn core_range(heights: &[f64]) -> f64 {
-    /// Heights that are looked at, evenly spread over larger fields.
+    /// Largest number of heights, evenly spread over larger fields.
     const MOST: usize = 1 << 22;
     let mut some: Vec<f64> = heights.iter().copied().step_by(heights.len().div_ceil(MOST)).collect();
     let place = (some.len() as f64 * CORE) as usize;

@@ -5,24 +5,24 @@ use crate::surface::HeightField;
 use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::TAU;
 
-/// The length after which the heights repeat along `x` and `y` \[µm\]; `None` where nothing clearly repeats.
+/// Returns the length after which the heights repeat along `x` and `y` \[µm\]; `None` if nothing clearly repeats.
 pub fn line_periods(field: &HeightField) -> [Option<f64>; 2] {
     let mean = mean(field);
     let (columns, rows) = (field.columns(), field.rows());
     let [width, height] = field.patch_size();
     let along_x = line_spectrum(columns, rows, |line, i| field.row(line)[i] - mean);
     let along_y = line_spectrum(rows, columns, |line, i| field.row(i)[line] - mean);
-    // Rounding leaves this much of the heights behind where a line is constant.
+    // Upper bound of the power that rounding leaves of a constant line.
     let (low, high) = field.range();
     let noise = (1e-12 * low.abs().max(high.abs())).powi(2);
     [(along_x, width), (along_y, height)]
         .map(|(spectrum, length)| dominant_cycles(&spectrum, noise).map(|cycles| length / cycles))
 }
 
-/// Power at 0, 1, … n/2 cycles a line, averaged over the `lines`, each less its own mean and under a Hann window, which
-/// keeps a scan's tilt from leaking into all frequencies. Scaled so that the sum is the mean square of what is left.
+/// Returns the power at 0, 1, … n/2 cycles a line, averaged over the `lines`. The mean of each line is subtracted, and a Hann window keeps
+/// a scan's tilt from leaking into all frequencies. The powers sum to the mean square of the remaining heights.
 ///
-/// Of many lines some are enough, evenly spread: a walk down every column of a field of gigabytes takes minutes.
+/// Long fields are subsampled to `MOST_LINES` lines, evenly spread: a walk down every column of a field of gigabytes takes minutes.
 fn line_spectrum(n: usize, lines: usize, sample: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     const MOST_LINES: usize = 2048;
     let step = lines.div_ceil(MOST_LINES);
@@ -46,17 +46,17 @@ fn line_spectrum(n: usize, lines: usize, sample: impl Fn(usize, usize) -> f64) -
     power.iter().map(|p| p * scale).collect()
 }
 
-/// Fewer repeats than this in a patch are no period.
+/// Smallest number of repeats in a patch for a period.
 const FEWEST_CYCLES: usize = 3;
-/// Half the width of the band that counts as one period, relative to its centre: natural ridges vary by about so much.
+/// Half the width of the band of one period, relative to its centre: about the variation of natural ridges.
 const BAND: f64 = 0.1;
-/// A period rules its surroundings from 1/OCTAVES to OCTAVES times its frequency.
+/// Ratio of frequencies to a period's within which the period has to dominate.
 const SURROUNDINGS: f64 = 1.5;
-/// How many times denser the power in the band must be than outside it. White noise has 1.
+/// Least ratio of the power density in the band to that outside it. White noise has 1.
 const CLEAR: f64 = 5.0;
 
-/// The number of cycles a line (not whole, in general) that hold the most power within [`BAND`], if that band stands
-/// out of its surroundings and of the whole spectrum.
+/// Returns the number of cycles a line (not whole, in general) with the most power within [`BAND`]; `None` unless that band stands out of
+/// its surroundings and of the whole spectrum.
 fn dominant_cycles(spectrum: &[f64], noise: f64) -> Option<f64> {
     let last = spectrum.len() - 1;
     if last < FEWEST_CYCLES {

@@ -1,16 +1,16 @@
-//! What is in a height field, as numbers: the parameters of ISO 25178-2, periods, noise, and what is wrong with the data.
+//! Statistics of a height field: the parameters of ISO 25178-2, periods, noise, and defects of the data.
 //!
-//! Nothing is levelled or filtered first: prepare the field, then measure it. Spectra alone are taken of the heights less their plane,
-//! under a Hann window.
+//! Nothing is levelled or filtered first: prepare the field, then measure it. Only spectra are taken of the heights less their plane, under
+//! a Hann window.
 
+pub mod height_spectrum;
 mod heights;
 mod line_periods;
 mod notes;
 pub mod periods;
-pub mod picture;
+pub mod plot_grid;
 mod relief;
 pub mod slopes;
-pub mod spectrum;
 mod texture;
 
 pub use heights::{HeightParameters, deviation, mean};
@@ -26,10 +26,10 @@ use super::HeightField;
 use super::si::{metres, metres_of_both, metres_of_some, per_metre_of_both};
 use super::tiling::{Tiling, tiles};
 use crate::error::Result;
+use height_spectrum::SurfaceSpectrum;
 use serde::Serialize;
-use spectrum::SurfaceSpectrum;
 
-/// The numbers of `surface info`. Serialised, lengths are metres and angles degrees.
+/// Statistics of `surface info`. Serialised, lengths are metres and angles degrees.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statistics {
     /// Side lengths of the patch \[µm\].
@@ -46,7 +46,7 @@ pub struct Statistics {
     pub texture: Texture,
     /// The periods that stand out of the power spectrum, strongest first.
     pub periods: Vec<Period>,
-    /// The length after which the heights repeat along `x` and `y` \[µm\]; `None` where nothing clearly repeats.
+    /// Length after which the heights repeat along `x` and `y` \[µm\]; `None` if nothing clearly repeats.
     #[serde(rename = "line_periods_m", serialize_with = "metres_of_some")]
     pub line_periods: [Option<f64>; 2],
     /// RMS height of white noise that is as strong as the spectrum at the highest frequencies \[µm\]: an upper bound of the
@@ -56,7 +56,7 @@ pub struct Statistics {
     /// Share of the height variance above half of the largest frequency. Structure there is finer than four samples, and what is finer than
     /// two is missing or folded back.
     pub undersampled_share: f64,
-    /// Whether copies of the field join.
+    /// Seams between copies of the field.
     pub tiling: Tiling,
 }
 
@@ -64,10 +64,10 @@ impl Statistics {
     /// Measures `field`.
     ///
     /// # Errors
-    /// Where the memory does not hold the spectrum.
+    /// Too little memory for the spectrum.
     pub fn of(field: &HeightField) -> Result<Self> {
         let [dx, dy] = field.pixel_size();
-        let part = spectrum::analysed_part(field);
+        let part = height_spectrum::analysed_part(field);
         let power = SurfaceSpectrum::windowed(&part)?;
         Ok(Self {
             patch: field.patch_size(),
@@ -89,7 +89,7 @@ pub(crate) mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// A field of 100 nm × 50 nm samples; `x` and `y` from the left and the TOP edge.
+    /// Returns a field of 100 nm × 50 nm samples; `x` and `y` from the left and the TOP edge.
     pub(crate) fn field(columns: usize, rows: usize, h: impl Fn(f64, f64) -> f64) -> HeightField {
         let pixel = [0.1, 0.05];
         let at = |i: usize| h((i % columns) as f64 * pixel[0], (i / columns) as f64 * pixel[1]);

@@ -1,20 +1,20 @@
-//! What is wrong with the data, in sentences.
+//! Warnings about the data, in sentences.
 
 use super::Statistics;
 use super::heights::{CORE, core_range};
 use crate::error::Result;
 use crate::surface::{HeightField, Levelling};
 
-/// A range this many times that of almost all samples is set by dust.
+/// Height range relative to the range of all but the outermost samples, from which dust is reported.
 const DUSTY: f64 = 1.25;
-/// A range that levelling by a plane multiplies by this factor is raised.
+/// Height range after levelling by a plane, relative to the range before, from which dust is reported.
 const RAISED: f64 = 1.02;
-/// Fewer levels than this are few for a height range.
+/// Number of levels in the height range below which coarse quantisation is reported.
 const COARSE_LEVELS: usize = 1024;
-/// A share of the variance at frequencies that are hardly sampled that matters.
+/// Share of the variance at undersampled frequencies from which it is reported.
 const UNDERSAMPLED: f64 = 0.02;
 
-/// What a user should know before using `field`, whose numbers are `statistics`: a sentence each.
+/// Returns warnings about `field`, one sentence each. `statistics` are those of `field`.
 ///
 /// # Errors
 /// Heights so large that their sums are not finite numbers.
@@ -46,7 +46,8 @@ fn dust(statistics: &Statistics) -> Option<String> {
     })
 }
 
-/// Levelling by a plane narrows the range of a tilted scan, unless a few samples set it that stand out elsewhere.
+/// Warns if levelling by a plane widens the height range: it narrows that of a tilted scan, unless a few samples that stand out elsewhere
+/// set the range.
 fn levelling(field: &HeightField, statistics: &Statistics) -> Result<Option<String>> {
     let [low, high] = statistics.heights.range;
     let levelled = field.levelled(Levelling::Plane)?;

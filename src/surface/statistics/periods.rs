@@ -1,6 +1,6 @@
 //! The periods that stand out of the power spectrum of a field, with their directions and their uncertainty.
 
-use super::spectrum::SurfaceSpectrum;
+use super::height_spectrum::SurfaceSpectrum;
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::{metres, metres_of_option};
@@ -14,7 +14,7 @@ pub struct Period {
     #[serde(rename = "length_m", serialize_with = "metres")]
     pub length: f64,
     /// Uncertainty of the length \[µm\]: its standard deviation over the left, right, upper and lower half of the field, and what other
-    /// components of the spectrum may shift the peak by. `None` where halves are too small for the period.
+    /// components of the spectrum may shift the peak by. `None` if halves are too small for the period.
     #[serde(rename = "length_spread_m", serialize_with = "metres_of_option")]
     pub length_spread: Option<f64>,
     /// Direction of its wave vector from +x toward +y, across the grooves, −90 … 90 \[degrees\].
@@ -28,25 +28,25 @@ pub struct Period {
     pub amplitude: f64,
 }
 
-/// Fewer repeats than this over the field are no period.
+/// Smallest number of repeats over the field for a period.
 const FEWEST_CYCLES: f64 = 3.0;
 /// A peak's power over the mean power of noise at its |f|: white noise alone reaches 20 once in 5·10⁸ frequencies.
 const CLEAR: f64 = 30.0;
 /// A peak's power over that of the strongest.
 const STRONG: f64 = 0.02;
-/// Peaks nearer to a stronger one than this share of its frequency belong to it.
+/// Peaks nearer to a stronger one than this share of its frequency belong to that peak.
 const OWN: f64 = 0.2;
 /// Bins that the main lobe of a Hann window reaches to each side.
 const LOBE: f64 = 2.0;
-/// Most periods that are told.
+/// Largest number of periods that are reported.
 const MOST: usize = 4;
-/// In a half field the period is looked for within this share of its frequency.
+/// Search range of the period in a half field, relative to its frequency.
 const NEAR: f64 = 0.25;
 
-/// The strongest periods of `field`, whose windowed spectrum is `spectrum`.
+/// Returns the strongest periods of `field`, whose windowed spectrum is `spectrum`.
 ///
 /// # Errors
-/// Where the memory does not hold the spectra of half fields.
+/// Too little memory for the spectra of half fields.
 pub fn dominant_periods(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Vec<Period>> {
     let peaks = peaks(field, spectrum);
     if peaks.is_empty() {
@@ -61,25 +61,25 @@ pub fn dominant_periods(field: &HeightField, spectrum: &SurfaceSpectrum) -> Resu
             let near = |f: [f64; 2]| distance(f, peak.frequency) < NEAR * length(peak.frequency);
             if let Some((place, _)) = strongest(&spectrum, near) {
                 let f = refined(&spectrum, place);
-                // The opposite frequency says the same.
+                // The opposite frequency has the same power.
                 let same_side = f[0] * peak.frequency[0] + f[1] * peak.frequency[1] >= 0.0;
                 found.push(if same_side { f } else { f.map(|x| -x) });
             }
         }
     }
-    // What most halves do not show is a chance of the whole.
+    // A peak that most halves lack is a coincidence of the whole field.
     let shown = |in_halves: &[[f64; 2]]| 2 * in_halves.len() >= asked;
     let found = peaks.iter().zip(&in_halves).filter(|(_, in_halves)| shown(in_halves));
     let periods = found.map(|(peak, in_halves)| period(peak, in_halves, leaked(spectrum, peak, &peaks)));
     Ok(periods.collect())
 }
 
-/// The wave vector of the strongest period \[1/µm\], for what turns a field along its grooves; `None` where no period stands out.
+/// Returns the wave vector of the strongest period \[1/µm\], by which a rotation aligns grooves; `None` if no period stands out.
 ///
 /// # Errors
-/// Where the memory does not hold the spectrum.
+/// Too little memory for the spectrum.
 pub(in crate::surface) fn wave_vector(field: &HeightField) -> Result<Option<[f64; 2]>> {
-    let part = super::spectrum::analysed_part(field);
+    let part = super::height_spectrum::analysed_part(field);
     let spectrum = SurfaceSpectrum::windowed(&part)?;
     Ok(peaks(&part, &spectrum).first().map(|peak| peak.frequency))
 }
@@ -96,7 +96,7 @@ fn length(f: [f64; 2]) -> f64 {
     f[0].hypot(f[1])
 }
 
-/// Between `a` and `b` or its opposite, whichever is nearer.
+/// Returns the distance of `a` from `b` or its opposite, whichever is nearer.
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1]).min((a[0] + b[0]).hypot(a[1] + b[1]))
 }
@@ -126,8 +126,8 @@ fn peaks(field: &HeightField, spectrum: &SurfaceSpectrum) -> Vec<SpectralPeak> {
     found
 }
 
-/// The place of the strongest frequency that is `allowed`, of at least [`FEWEST_CYCLES`] over the field and stronger than those around it,
-/// and its power. The flank of something longer is no period.
+/// Returns the indices and the power of the strongest peak that is `allowed` and has at least [`FEWEST_CYCLES`] over the field. A frequency
+/// on the flank of a stronger, lower one is no peak.
 fn strongest(
     spectrum: &SurfaceSpectrum,
     allowed: impl Fn([f64; 2]) -> bool + Sync,
@@ -139,7 +139,7 @@ fn strongest(
             let cycles = (f[0] * spectrum.patch[0]).hypot(f[1] * spectrum.patch[1]);
             (cycles >= FEWEST_CYCLES).then(|| (spectrum.power(i, j), j, f))
         });
-        // What is allowed costs more to ask than what is strong.
+        // The calls come last because they cost more than the comparison.
         let mut best: Option<(usize, f64)> = None;
         for (power, j, f) in candidates {
             if best.is_none_or(|(_, most)| power > most) && allowed(f) && is_summit(spectrum, [i, j]) {
@@ -151,7 +151,7 @@ fn strongest(
     (0..spectrum.half()).into_par_iter().filter_map(of_column).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Whether no frequency beside `place` is stronger.
+/// Returns true if no neighbouring frequency is stronger.
 fn is_summit(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> bool {
     let [i, j] = place.map(|n| n as isize);
     let here = spectrum.power(place[0], place[1]);
@@ -159,11 +159,11 @@ fn is_summit(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> bool {
     around.into_iter().all(|(di, dj)| spectrum.value(i + di, j + dj).norm_sqr() <= here * (1.0 + 1e-9))
 }
 
-/// The frequency of the peak at `place` between the bins \[1/µm\].
+/// Returns the frequency of the peak at `place`, interpolated between the bins \[1/µm\].
 ///
-/// For one sinusoid under a Hann window the ratio α of the amplitudes at the larger neighbour and at the peak gives the distance exactly,
-/// δ = (2α − 1)/(α + 1) [Grandke 1983, "Interpolation algorithms for discrete Fourier transforms of weighted signals"]; the window is a
-/// product, so that each axis has its own.
+/// For one sinusoid under a Hann window the ratio α of the amplitudes at the larger neighbour and at the peak gives the distance exactly, δ
+/// = (2α − 1)/(α + 1) [Grandke 1983, "Interpolation algorithms for discrete Fourier transforms of weighted signals"]. The window is a
+/// product, so that each axis is interpolated separately.
 pub(super) fn refined(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> [f64; 2] {
     let [i, j] = place.map(|n| n as isize);
     let at = |di: isize, dj: isize| spectrum.value(i + di, j + dj).norm();
@@ -181,7 +181,7 @@ pub(super) fn refined(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> [f64; 2]
     [x + dx / spectrum.patch[0], y - dy / spectrum.patch[1]] // places grow down, y grows up
 }
 
-/// Amplitude of the sinusoid whose power is that of the main lobe around `place`: A²/2 is twice the power of one sign's lobe.
+/// Returns the amplitude of the sinusoid whose power is that of the main lobe around `place`: A²/2 is twice the power of one sign's lobe.
 pub(super) fn amplitude(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> f64 {
     let [i, j] = place.map(|n| n as isize);
     let reach = |samples: usize| {
@@ -194,7 +194,7 @@ pub(super) fn amplitude(spectrum: &SurfaceSpectrum, place: [usize; 2]) -> f64 {
     2.0 * lobe.sum::<f64>().sqrt()
 }
 
-/// The left, right, upper and lower half of `field`, as far as they have samples enough for [`FEWEST_CYCLES`] of two samples.
+/// Returns the left, right, upper and lower half of `field`, if they have enough samples for [`FEWEST_CYCLES`] of two samples.
 fn halves(field: &HeightField) -> impl Iterator<Item = Result<HeightField>> + '_ {
     const FEWEST_SAMPLES: usize = 6;
     let (columns, rows) = (field.columns(), field.rows());
@@ -208,16 +208,16 @@ fn halves(field: &HeightField) -> impl Iterator<Item = Result<HeightField>> + '_
         })
 }
 
-/// Relative error of the length of `peak` by the side lobes of its own negative frequency and of the other `peaks`.
+/// Returns the relative error of the length of `peak` by the side lobes of its negative frequency and of the other `peaks`.
 ///
-/// A Hann window's transform at d bins is 1/(πd(d² − 1)) of its peak at the most. A share ε of the amplitude in each of the two
-/// bins that [`refined`] takes the ratio of moves the ratio by up to 2ε, and the peak by up to 1.5 times as many bins.
+/// A Hann window's transform at d bins is at most 1/(πd(d² − 1)) of its peak. A share ε of the amplitude in each of the two bins that
+/// [`refined`] takes the ratio of moves the ratio by up to 2ε, and the peak by up to 1.5 times as many bins.
 fn leaked(spectrum: &SurfaceSpectrum, peak: &SpectralPeak, peaks: &[SpectralPeak]) -> f64 {
     const BINS_PER_SHARE: f64 = 3.0;
     let bins = |f: [f64; 2]| (f[0] * spectrum.patch[0]).hypot(f[1] * spectrum.patch[1]);
     let [x, y] = peak.frequency;
     let side_lobe = |other: &SpectralPeak, sign: f64| {
-        // Nearer than the main lobe nothing is told apart; the nearest bin of the peak is one nearer.
+        // Nearer than the main lobe nothing is resolved; the nearest bin of the peak is one nearer.
         let d = (bins([x - sign * other.frequency[0], y - sign * other.frequency[1]]) - 1.0).max(LOBE);
         other.amplitude / peak.amplitude / (PI * d * (d * d - 1.0))
     };
@@ -227,7 +227,8 @@ fn leaked(spectrum: &SurfaceSpectrum, peak: &SpectralPeak, peaks: &[SpectralPeak
     BINS_PER_SHARE * sum / bins(peak.frequency)
 }
 
-/// A peak with the spread of `in_halves`, the frequencies that half fields have in its place, and the relative error `leaked` of its length.
+/// Returns the period of a peak with its spread in `in_halves`, the frequencies of the peak in half fields, and the relative error `leaked`
+/// of its length.
 fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
     let [x, y] = peak.frequency;
     let direction = (y / x).atan().to_degrees(); // ±90 where x is 0
@@ -244,7 +245,7 @@ fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
     }
 }
 
-/// Standard deviation of two numbers or more.
+/// Returns the standard deviation of two numbers or more.
 fn deviation(numbers: &[f64]) -> Option<f64> {
     let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;

@@ -1,7 +1,7 @@
 //! The kind of profile that a field has, with the two lengths on which errors of scalar theory depend.
 
+use super::height_spectrum::{SurfaceSpectrum, analysed_part};
 use super::periods::{amplitude, refined};
-use super::spectrum::{SurfaceSpectrum, analysed_part};
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::metres;
@@ -49,9 +49,11 @@ pub struct ProfileShape {
     /// Height range \[µm\]; of a rough profile that of the sinusoid with the same period and RMS slope.
     #[serde(rename = "height_m", serialize_with = "metres")]
     pub height: f64,
+    /// RMS slope along the grooves, which the table of errors leaves out.
+    pub slope_along: f64,
 }
 
-/// Shape of a field as far as scalar theory asks for it.
+/// Shape of a field in the terms of scalar theory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Relief {
     /// A mirror.
@@ -64,8 +66,8 @@ pub enum Relief {
     FewPeriods,
 }
 
-/// Smaller over larger RMS slope from which on a field is no field of grooves.
-const CROSSED: f64 = 0.5;
+/// Smaller over larger RMS slope above which a field has no grooves: at 1/√3 a quarter of the slope variance lies along them.
+const CROSSED: f64 = 0.577;
 /// Fewer periods over a field whose copies do not join are not resolved.
 const FEWEST_CYCLES: f64 = 3.0;
 /// RMS height over the height range, below which a field is flat but for rounding.
@@ -179,16 +181,17 @@ fn grooves(
         [x.hypot(y), amplitude(spectrum, place).powi(2) / 2.0 / moments.variance]
     };
     let sq = moments.variance.sqrt();
+    let [across, slope_along] = principal_slopes(field);
     let periodic = |profile, height_over_sq: f64| ProfileShape {
         profile,
         period: 1.0 / frequency,
         height: height_over_sq * sq,
+        slope_along,
     };
     if share < PERIODIC_SHARE {
         let period = moments.first / moments.second;
-        let [x, y] = principal_slopes(field);
-        let height = 2.0 * SQRT_2 * x.hypot(y) * period / TAU;
-        return ProfileShape { profile: ProfileKind::Rough, period, height };
+        let height = 2.0 * SQRT_2 * across.hypot(slope_along) * period / TAU;
+        return ProfileShape { profile: ProfileKind::Rough, period, height, slope_along };
     }
     if share_of_ends(field) >= LAMELLAR_ENDS {
         periodic(ProfileKind::Lamellar, 2.0)

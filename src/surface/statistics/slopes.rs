@@ -39,7 +39,7 @@ impl Slopes {
     }
 }
 
-/// RMS slopes along `x` and `y`; 0 along an axis of a single sample.
+/// Returns the RMS slopes along `x` and `y`; 0 along an axis of a single sample.
 pub fn rms_slopes(field: &HeightField) -> [f64; 2] {
     let (columns, rows) = (field.columns(), field.rows());
     let [dx, dy] = field.pixel_size();
@@ -56,7 +56,7 @@ pub fn rms_slopes(field: &HeightField) -> [f64; 2] {
     [mean(along, (columns - 1) * rows, dx), mean(down, columns * (rows - 1), dy)]
 }
 
-/// The absolute gradient at each sample, or at some of them, from the differences to the next sample to the right and below.
+/// Returns the absolute gradient at each sample, or at some of them, from the differences to the next sample to the right and below.
 pub fn gradients(field: &HeightField) -> Vec<f64> {
     let (columns, rows) = (field.columns(), field.rows());
     let [dx, dy] = field.pixel_size();

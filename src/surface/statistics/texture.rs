@@ -1,6 +1,6 @@
-//! How heights at a distance are related: autocorrelation length and texture direction.
+//! Relation of heights at a distance: autocorrelation length and texture direction.
 
-use super::spectrum::{SurfaceSpectrum, half_transform};
+use super::height_spectrum::{SurfaceSpectrum, half_transform};
 use crate::error::Result;
 use crate::surface::si::metres_of_option;
 use crate::surface::{HeightField, Levelling};
@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Texture {
     /// Autocorrelation length Sal (4.3.2): the shortest distance, over all directions, at which the autocorrelation has fallen to
-    /// `THRESHOLD` \[µm\]; `None` where it does not within a quarter of the field.
+    /// `THRESHOLD` \[µm\]; `None` if it does not within a quarter of the field.
     #[serde(rename = "sal_m", serialize_with = "metres_of_option")]
     pub sal: Option<f64>,
     /// Texture direction Std (4.3.4): where the angular amplitude density of the spectrum is largest, from +x toward +y, 0 … 180
@@ -31,17 +31,17 @@ impl Texture {
     /// Measures `field`, whose windowed spectrum is `spectrum`.
     ///
     /// # Errors
-    /// Where the memory does not hold the autocorrelation.
+    /// Too little memory for the autocorrelation.
     pub fn of(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Self> {
         let (low, high) = field.range();
         if low == high {
-            return Ok(Self { sal: None, std: None }); // what rounding leaves has a direction, too
+            return Ok(Self { sal: None, std: None }); // rounding errors would have a direction, too
         }
         Ok(Self { sal: Autocorrelation::of(field)?.shortest_decay(), std: direction(spectrum) })
     }
 }
 
-/// The centre of the strongest bin of the angular amplitude density \[degrees\].
+/// Returns the centre of the strongest bin of the angular amplitude density \[degrees\].
 fn direction(spectrum: &SurfaceSpectrum) -> Option<f64> {
     /// Below this many cycles over the field an angle is not resolved and the window's main lobe is in the way.
     const FEWEST_CYCLES: f64 = 3.0;
@@ -77,7 +77,8 @@ struct Autocorrelation {
 }
 
 impl Autocorrelation {
-    /// By the transform of the field padded with zeros as far as the distances reach, so that nothing is taken for periodic.
+    /// Computes the autocorrelation by the transform of the field padded with zeros up to the largest distance, so that nothing is taken as
+    /// periodic.
     fn of(field: &HeightField) -> Result<Self> {
         let level = field.levelled(Levelling::Mean)?;
         let (columns, rows) = (field.columns(), field.rows());
@@ -120,7 +121,7 @@ impl Autocorrelation {
         Ok(Self { reach, pixel_size: field.pixel_size(), values })
     }
 
-    /// At `x` in −reach … reach and `y` in −1 … reach, in samples; the nearest there is beyond.
+    /// Returns the value at `x` in −reach … reach and `y` in −1 … reach, in samples, clamped to the array.
     fn sample(&self, x: i64, y: i64) -> f64 {
         let [across, down] = self.reach.map(|reach| reach as i64);
         // Opposite distances have the same autocorrelation.
@@ -129,8 +130,8 @@ impl Autocorrelation {
         self.values[y.min(down) as usize * width + (x.clamp(-across, across) + across) as usize]
     }
 
-    /// Between the samples, by the cubics through four of them along each axis; `y` is at least 0. A straight line between samples errs by 3 % of
-    /// a sinusoid of 12 samples a period, a cubic by 0.1 %.
+    /// Interpolates between the samples, by the cubics through four of them along each axis; `y` is at least 0. A straight line between
+    /// samples errs by 3 % of a sinusoid of 12 samples a period, a cubic by 0.1 %.
     fn at(&self, x: f64, y: f64) -> f64 {
         let (i, j) = (x.floor(), y.floor());
         let (across, down) = (cubic(x - i), cubic(y - j));
@@ -141,7 +142,7 @@ impl Autocorrelation {
         (0..4).map(|row| down[row] * along(row)).sum()
     }
 
-    /// The shortest distance at which the autocorrelation falls to [`THRESHOLD`] \[µm\].
+    /// Returns the shortest distance at which the autocorrelation falls to [`THRESHOLD`] \[µm\].
     fn shortest_decay(&self) -> Option<f64> {
         if self.values[self.reach[0]] != 1.0 {
             return None; // a flat field
@@ -158,7 +159,7 @@ impl Autocorrelation {
         Some(decays.reduce(|| bound, f64::min))
     }
 
-    /// The distance of the nearest sample at or below [`THRESHOLD`] \[µm\].
+    /// Returns the distance of the nearest sample at or below [`THRESHOLD`] \[µm\].
     fn nearest_below(&self) -> Option<f64> {
         let [dx, dy] = self.pixel_size;
         let width = 2 * self.reach[0] + 1;
@@ -170,7 +171,7 @@ impl Autocorrelation {
         below.min_by(f64::total_cmp)
     }
 
-    /// The first distance in a direction at which the autocorrelation falls to [`THRESHOLD`], if that is within `bound` \[µm\].
+    /// Returns the first distance in a direction at which the autocorrelation falls to [`THRESHOLD`], if that is within `bound` \[µm\].
     fn decay(&self, angle: f64, bound: f64) -> Option<f64> {
         let [dx, dy] = self.pixel_size;
         let (sin, cos) = angle.sin_cos();
@@ -194,7 +195,7 @@ impl Autocorrelation {
     }
 }
 
-/// Weights of the samples at −1, 0, 1 and 2 of the cubic through them, at `t` in 0 … 1 (Lagrange).
+/// Returns the weights of the samples at −1, 0, 1 and 2 of the cubic through them, at `t` in 0 … 1 (Lagrange).
 fn cubic(t: f64) -> [f64; 4] {
     [
         t * (t - 1.0) * (2.0 - t) / 6.0,
@@ -204,7 +205,7 @@ fn cubic(t: f64) -> [f64; 4] {
     ]
 }
 
-/// The next length of at least `n` with no prime factor above 5: such transforms are fast.
+/// Returns the next length of at least `n` with no prime factor above 5: such transforms are fast.
 fn fast_length(n: usize) -> usize {
     let smooth = |n: &usize| {
         let mut rest = *n;
@@ -251,8 +252,8 @@ mod tests {
 
     #[test]
     fn a_sinusoid_falls_to_a_fifth_across_its_grooves() {
-        // The autocorrelation is cos(2π t/d): 0.2 at d·acos(0.2)/2π.
-        // Of 200 periods, so that a part of one at the end hardly counts.
+        // The autocorrelation is cos(2π t/d): 0.2 at d·acos(0.2)/2π. The field has 200 periods, so that a partial period at the end hardly
+        // counts.
         let wave = field(4000, 8, |x, _| (TAU * x / 2.0).sin());
         let texture = Texture::of(&wave, &SurfaceSpectrum::windowed(&wave).unwrap()).unwrap();
         let expected = 2.0 * 0.2_f64.acos() / TAU;

@@ -5,26 +5,26 @@ use crate::error::Result;
 use crate::surface::HeightField;
 use std::f64::consts::TAU;
 
-/// h = 0.
+/// Returns h = 0.
 pub(super) fn flat(grid: &SampleGrid) -> Result<HeightField> {
     grid.sample(|_, _| 0.0)
 }
 
-/// h = a sin(2πx/d), `height` = 2a. It sends J_m²(k w_m a) of the power factor into order m [Goodman, section 4.4.4, thin
+/// Returns h = a sin(2πx/d), `height` = 2a. It sends J_m²(k w_m a) of the power factor into order m [Goodman, section 4.4.4, thin
 /// sinusoidal phase grating].
 pub(super) fn sinusoid(grid: &SampleGrid, height: f64) -> Result<HeightField> {
     let periods = grid.periods[0] as f64;
     grid.sample(|x, _| 0.5 * height * (TAU * periods * x).sin())
 }
 
-/// h = s·x in each period, s = `height`/d, then at once back to 0 (an echelette grating): on it light leaves toward
-/// u = −w s. The samples sit at cell centres, so their range is less than `height` by one sample's rise.
+/// Returns h = s·x in each period, s = `height`/d, then at once back to 0 (an echelette grating): on it light leaves toward u = −w s. The
+/// samples sit at cell centres, so their range is less than `height` by one sample's rise.
 pub(super) fn blaze(grid: &SampleGrid, height: f64) -> Result<HeightField> {
     let periods = grid.periods[0] as f64;
     grid.sample(|x, _| height * (periods * x).fract())
 }
 
-/// h = H cos²(πx/p_x) cos²(πy/p_y): smooth round bumps on a rectangular lattice, flat between them.
+/// Returns h = H cos²(πx/p_x) cos²(πy/p_y): smooth round bumps on a rectangular lattice, flat between them.
 pub(super) fn bumps(grid: &SampleGrid, height: f64) -> Result<HeightField> {
     let [across, along] = grid.periods.map(|n| n as f64);
     // sin² of the same is the lattice with a bump in the middle of each cell.

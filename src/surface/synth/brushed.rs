@@ -1,14 +1,13 @@
 //! Brushed metal: long scratches, nearly parallel.
 //!
-//! Each scratch is what one grain of an abrasive leaves: it sinks in, cuts, and comes out again. Its cross-section is a
-//! parabola, and wider grains cut deeper in proportion. Scratches lie where chance puts them, run along y but for a few
-//! degrees, are about as long as the patch, and go around it. Where they cross, the deepest cut is what remains, so that sharp
-//! ridges stand between neighbours; between scratches the metal stays plane. They run along y, so light spreads along x:
-//! a highlight becomes a streak across the scratches.
+//! Each scratch is the cut of one grain of an abrasive: the grain sinks in, cuts, and comes out again. The cross-section of a scratch is a
+//! parabola, and wider grains cut deeper in proportion. Scratches are placed at random, run along y but for a few degrees, are about as
+//! long as the patch, and wrap around it. At crossings the deepest cut remains, so that sharp ridges stand between neighbours; between
+//! scratches the metal stays plane. The scratches run along y, so light spreads along x: a highlight becomes a streak across the scratches.
 //!
-//! Nothing here is a measurement. The finish is a fine one: its arithmetic mean deviation Sa is about 0.1 µm, where
-//! hairline typically has 0.2 µm to 0.4 µm and No. 4 has 0.4 µm to 0.6 µm. A patch of 65 µm is too small for enough of
-//! their scratches. Pits, and the metal that a grain throws up beside its scratch, are left out.
+//! Nothing here is a measurement. The finish is a fine one: its arithmetic mean deviation Sa is about 0.1 µm, while hairline typically has
+//! 0.2 µm to 0.4 µm and No. 4 has 0.4 µm to 0.6 µm. A patch of 65 µm is too small for enough of their scratches. Pits, and the metal that a
+//! grain throws up beside its scratch, are left out.
 
 use super::grid::{SampleGrid, to_full_height};
 use crate::error::Result;
@@ -35,11 +34,11 @@ struct ScratchMark {
     half_length: f64,
     half_width: f64,
     depth: f64,
-    /// How far it moves along `x` on its way along `y`.
+    /// Displacement along `x` over the length of the scratch along `y`.
     lean: f64,
 }
 
-/// Scratches on `grid`, scaled in the plane to its mean distance along `x`, and to the full height \[µm\].
+/// Returns scratches on `grid`, scaled in the plane to its mean distance along `x`, and to the full height \[µm\].
 pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64) -> Result<HeightField> {
     let patch = grid.patch();
     let scratches = scratch(patch, patch[0] / grid.periods[0] as f64, seed);
@@ -51,7 +50,7 @@ pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64) -> Result<HeightFi
     to_full_height(&raw, height)
 }
 
-/// Scratches that a line along `x` meets every `distance`, on average.
+/// Returns scratches that a line along `x` meets every `distance`, on average.
 fn scratch(patch: [f64; 2], distance: f64, seed: u64) -> Vec<ScratchMark> {
     let mut random = Random::new(seed);
     let mut scratches = Vec::new();
@@ -72,7 +71,7 @@ fn scratch(patch: [f64; 2], distance: f64, seed: u64) -> Vec<ScratchMark> {
     scratches
 }
 
-/// A random number from `least` to `most` whose logarithm is spread evenly.
+/// Returns a random number from `least` to `most` whose logarithm is spread evenly.
 fn between(random: &mut Random, [least, most]: [f64; 2]) -> f64 {
     least * (most / least).powf(random.share())
 }

@@ -54,13 +54,13 @@ const WALL: f64 = 0.1;
 pub(super) const SPACING: f64 = WALL / 2.0;
 
 impl DiscFormat {
-    /// What the patch holds a whole number of: tracks along `x`, shortest pits along `y`.
+    /// Lengths of which the patch holds a whole number: the track pitch along `x`, the shortest pit along `y`.
     pub(super) fn period(&self) -> [f64; 2] {
         [self.pitch, SHORTEST as f64 * self.bit]
     }
 }
 
-/// The tracks of `format` on `grid`, scaled in the plane to its period along `x`, with pits of the height \[µm\].
+/// Returns the tracks of `format` on `grid`, scaled in the plane to its period along `x`, with pits of the height \[µm\].
 ///
 /// # Errors
 /// A patch too short for a pit and a land.
@@ -90,9 +90,9 @@ struct Tracks {
 
 /// The pits of one track.
 struct Track {
-    /// Where on the patch the first pit starts.
+    /// Position of the first pit's start on the patch.
     start: f64,
-    /// The pits from there on, in order.
+    /// Pits from `start` on, in order.
     pits: Vec<Pit>,
 }
 
@@ -112,7 +112,7 @@ impl Tracks {
         Self { each, pitch, length, half_width: 0.5 * format.width * scale, wall: WALL * scale }
     }
 
-    /// The height at `x`, `y`, shares of the patch: 1 on a pit, 0 between pits.
+    /// Returns the height at `x`, `y`, shares of the patch: 1 on a pit, 0 between pits.
     fn height(&self, x: f64, y: f64) -> f64 {
         let across = x * self.each.len() as f64;
         let track = &self.each[(across as usize).min(self.each.len() - 1)];
@@ -125,7 +125,7 @@ impl Tracks {
         beside.map(|i| self.pit(&track.pits[i], aside, along)).into_iter().fold(0.0, f64::max)
     }
 
-    /// The height of one pit at `aside` from the middle of its track and `along` it.
+    /// Returns the height of one pit at `aside` from the middle of its track and `along` it.
     fn pit(&self, pit: &Pit, aside: f64, along: f64) -> f64 {
         let off = (along - pit.middle).abs();
         let off = off.min(self.length - off);
@@ -137,7 +137,7 @@ impl Tracks {
 }
 
 impl Track {
-    /// A track of `bits` channel bits on `length` µm.
+    /// Writes a track of `bits` channel bits on `length` µm.
     fn write(random: &mut Random, bits: usize, length: f64) -> Self {
         let start = length * random.share();
         let bit = length / bits as f64;
@@ -152,7 +152,7 @@ impl Track {
     }
 }
 
-/// The lengths of the pits and lands, in turn, that fill `bits` channel bits, at least twice the shortest run.
+/// Returns the lengths of the pits and lands, in turn, that fill `bits` channel bits, at least twice the shortest run.
 fn runs(random: &mut Random, bits: usize) -> Vec<usize> {
     // One in ten is as long as asked, whatever its length, and has as many lands as pits: taking that one keeps the
     // probabilities of runs as they are.
@@ -170,7 +170,7 @@ fn runs(random: &mut Random, bits: usize) -> Vec<usize> {
     }
 }
 
-/// The length of one run, in channel bits.
+/// Returns the length of one run, in channel bits.
 fn run(random: &mut Random) -> usize {
     let mut left = random.share();
     for bits in SHORTEST..LONGEST {

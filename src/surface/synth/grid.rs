@@ -48,12 +48,12 @@ impl SampleGrid {
         Ok(grid)
     }
 
-    /// Side lengths of the patch \[µm\].
+    /// Returns the side lengths of the patch \[µm\].
     pub(super) fn patch(&self) -> [f64; 2] {
         self.patch
     }
 
-    /// The field of h(x, y), with `x` and `y` as shares 0 … 1 of the patch from its lower left corner.
+    /// Returns the field of h(x, y), with `x` and `y` as shares 0 … 1 of the patch from its lower left corner.
     pub(super) fn sample(&self, h: impl Fn(f64, f64) -> f64 + Sync) -> Result<HeightField> {
         let columns = self.samples[0] as f64;
         self.sample_lines(|y, line| {
@@ -63,8 +63,8 @@ impl SampleGrid {
         })
     }
 
-    /// The field that `fill` makes line by line, from `y` as a share of the patch and the samples of the line, all 0. Sample i of
-    /// n is at (i + ½)/n of the patch.
+    /// Returns the field that `fill` makes line by line, from `y` as a share of the patch and the samples of the line, all 0. Sample i of n
+    /// is at (i + ½)/n of the patch.
     pub(super) fn sample_lines(&self, fill: impl Fn(f64, &mut [f64]) + Sync) -> Result<HeightField> {
         let [columns, rows] = self.samples;
         let mut heights = vec![0.0; columns * rows];
@@ -77,7 +77,7 @@ impl SampleGrid {
     }
 }
 
-/// `raw` scaled to the full `height` \[µm\], its lowest point at 0. A constant field becomes 0.
+/// Returns `raw` scaled to the full `height` \[µm\], its lowest point at 0. A constant field becomes 0.
 pub(super) fn to_full_height(raw: &HeightField, height: f64) -> Result<HeightField> {
     let (low, high) = raw.range();
     let scale = if high > low { height / (high - low) } else { 0.0 };
@@ -85,7 +85,7 @@ pub(super) fn to_full_height(raw: &HeightField, height: f64) -> Result<HeightFie
     HeightField::new(raw.columns(), raw.rows(), raw.pixel_size(), heights)
 }
 
-/// The whole number of periods nearest to the wished or usual patch, and the length that they have.
+/// Returns the whole number of periods nearest to the wished or usual patch, and their length.
 fn whole_periods(wished: Option<f64>, usual: f64, period: f64) -> Result<(f64, usize)> {
     let patch = wished.unwrap_or(usual);
     if period == 0.0 {
@@ -109,8 +109,8 @@ fn whole_periods(wished: Option<f64>, usual: f64, period: f64) -> Result<(f64, u
     Ok((periods * period, periods as usize))
 }
 
-/// Samples along one axis. Without a wish, the spacing is just below [`FINE_ENOUGH`] and at most `finest`, the number has
-/// small prime factors, which transforms are fast with, and every period is sampled alike if that costs few more samples.
+/// Returns the number of samples along one axis. Without a wish, the spacing is just below [`FINE_ENOUGH`] and at most `finest`, the number
+/// has small prime factors for fast transforms, and every period is sampled alike if that costs few more samples.
 fn samples(patch: f64, periods: usize, pixel: Option<f64>, finest: f64) -> Result<usize> {
     let count = (patch / pixel.unwrap_or(FINE_ENOUGH.min(finest)) - WHOLE).ceil().max(1.0);
     if count.is_nan() || count > MAX_SIDE as f64 {

@@ -15,7 +15,7 @@ use super::HeightField;
 use crate::error::{Error, Result};
 use grid::SampleGrid;
 
-/// Which surface.
+/// Kind of a built-in surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SurfaceKind {
     /// A mirror: height 0.
@@ -40,13 +40,13 @@ pub enum SurfaceKind {
     Tulip,
 }
 
-/// What to generate. `None` is the kind's own default.
+/// Settings of a generated surface. `None` is the default of the kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spec {
-    /// Which surface.
+    /// Kind of surface.
     pub kind: SurfaceKind,
-    /// Chooses among the many surfaces of one kind; the same seed is the same surface, bit for bit, on one platform. The
-    /// surfaces with a formula have one form only ([`SurfaceKind::is_random`]).
+    /// Seed of the random generator: the same seed gives the same surface, bit for bit, on one platform. Surfaces with a formula have one
+    /// form only ([`SurfaceKind::is_random`]).
     pub seed: u64,
     /// Wished side lengths of the patch \[µm\]; the nearest whole periods are made.
     pub patch: Option<[f64; 2]>,
@@ -60,12 +60,12 @@ pub struct Spec {
 
 /// The dimensions of a kind \[µm\].
 struct Dimensions {
-    /// What the patch holds a whole number of along `x` and `y`: periods or mean distances; 0 where any length will do.
+    /// Lengths along `x` and `y` of which the patch holds a whole number: periods or mean distances; 0 if any length will do.
     period: [f64; 2],
     height: f64,
     /// Side of the square patch.
     patch: f64,
-    /// Largest sample spacing that shows the finest structure; infinite where what light resolves is fine enough.
+    /// Largest sample spacing that shows the finest structure; infinite if the limit from the wavelength of light is enough.
     spacing: f64,
 }
 
@@ -84,7 +84,7 @@ impl SurfaceKind {
         Self::Tulip,
     ];
 
-    /// The word for it on the command line and in scene files.
+    /// Returns the name on the command line and in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Flat => "flat",
@@ -100,12 +100,12 @@ impl SurfaceKind {
         }
     }
 
-    /// Whether chance shapes it, so that each seed is another surface.
+    /// Returns true if the surface depends on the seed.
     pub fn is_random(self) -> bool {
         !matches!(self, Self::Flat | Self::Sinusoid | Self::Blaze | Self::Bumps)
     }
 
-    /// The kind that `name` means.
+    /// Returns the kind of that name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
@@ -138,7 +138,7 @@ impl SurfaceKind {
 }
 
 impl Dimensions {
-    /// The same with all lengths in the plane but the patch scaled to a period of `period` along `x`.
+    /// Returns the dimensions with all lengths in the plane but the patch scaled to a period of `period` along `x`.
     fn with_period(self, period: f64) -> Self {
         let scale = period / self.period[0];
         Self { period: [period, self.period[1] * scale], spacing: self.spacing * scale, ..self }
@@ -146,7 +146,7 @@ impl Dimensions {
 }
 
 impl Spec {
-    /// The default surface of `kind`.
+    /// Returns the default surface of `kind`.
     pub fn new(kind: SurfaceKind) -> Self {
         Self { kind, seed: 0, patch: None, pixel_size: None, period: None, height: None }
     }
@@ -205,7 +205,7 @@ fn check(spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// From 0 at 0 to 1 at 1, level at both ends.
+/// Rises smoothly from 0 at 0 to 1 at 1, level at both ends.
 fn smooth_step(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -13,12 +13,12 @@ use crate::error::Result;
 use crate::random::Random;
 use crate::surface::HeightField;
 
-/// How one skin differs from another. Lengths across are in column pitches, along in row pitches, heights in that of a
-/// finger's tip above the deepest pit.
+/// Parameters of a skin. Lengths across are in column pitches, along in row pitches, heights relative to the height of a finger's tip above
+/// the deepest pit.
 pub(super) struct Skin {
     /// Half width of a finger at its tip and where it meets its neighbours.
     half_width: [f64; 2],
-    /// How much a finger keeps its width before it widens: the power of the way along it.
+    /// Exponent of the widening along a finger: larger values keep the tip's width for longer.
     taper: f64,
     /// Crest at the end of a finger, and the roof where it comes out from under its fingers.
     crest_end: f64,
@@ -60,23 +60,23 @@ pub(super) const XENOPELTIS: Skin = Skin {
 
 /// Length of the rounding of a tip, in row pitches.
 const TIP: f64 = 0.16;
-/// Where, from its tip, a finger has sunk into its roof, and over which length it does, in row pitches.
+/// Distance from the tip at which a finger has sunk into its roof, and length over which it sinks, in row pitches.
 const SUNK: f64 = 1.80;
 const SINKING: f64 = 0.90;
-/// Where the roof comes out between two fingers at their axes, how much later it does by the square of the distance from
-/// them, and over which length: this makes the round ends of the pits.
+/// Distance from the tip at which the roof appears on the axis of a finger, its increase by the square of the distance from the axis, and
+/// length of the rise. The increase makes the round ends of the pits.
 const ROOF_START: f64 = 0.90;
 const ROOF_LATER: f64 = 0.45;
 const ROOF_RISE: f64 = 0.16;
-/// Where the roof is down at height 0, in row pitches from the tip, and where it is forgotten.
+/// Distances from the tip at which the roof reaches height 0 and at which it ends, in row pitches.
 const ROOF_DOWN: f64 = 2.15;
 const ROOF_END: f64 = 2.6;
-/// How much the roof sags between two fingers, by the square of the distance from their axes.
+/// Sag of the roof between two fingers, by the square of the distance from their axes.
 const ROOF_SAG: f64 = 0.35;
 /// Sharpness of the crease where two fingers meet; larger is sharper.
 const CREASE: f64 = 50.0;
 
-/// One finger's own deviations.
+/// Random deviations of one finger.
 #[derive(Clone, Copy)]
 struct Finger {
     across: f64,
@@ -95,7 +95,7 @@ struct Fingers<'a> {
     swell: Waves,
 }
 
-/// The skin on `grid`, scaled to the full height \[µm\], its lowest point at 0.
+/// Returns the skin on `grid`, scaled to the full height \[µm\], its lowest point at 0.
 pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64, skin: &Skin) -> Result<HeightField> {
     let fingers = Fingers::grow(grid, seed, skin);
     to_full_height(&grid.sample(|x, y| fingers.height(x, y))?, height)
@@ -122,17 +122,17 @@ impl<'a> Fingers<'a> {
         Self { skin, columns, rows, each, bend, swell }
     }
 
-    /// The height at `x`, `y`, shares of the patch.
+    /// Returns the height at `x`, `y`, shares of the patch.
     fn height(&self, x: f64, y: f64) -> f64 {
         let [bend_x, bend_y] = [0, 1].map(|i| self.skin.bend[i] * self.bend[i].at(x, y));
-        // Where the point lies among columns and rows that are not bent; rows count downward.
+        // Column and row coordinates after bending; rows count downward.
         let u = x * self.columns as f64 + bend_x;
         let v = (1.0 - y) * self.rows as f64 + bend_y;
         let (column, row) = (u.floor() as i64, v.floor() as i64);
         // A soft maximum, ln Σ e^{s h} / s, rounds the creases a little.
         let mut sum = 0.0;
         for i in column - 1..=column + 1 {
-            // The roof of a finger reaches over two rows and a half, less than its own offset.
+            // The roof of a finger reaches over two rows and a half, less the finger's offset.
             for j in row - 2..=row + 1 {
                 let finger = &self.each[self.index(i, j)];
                 let across = u - (i as f64 + 0.5 + finger.across);
@@ -143,7 +143,7 @@ impl<'a> Fingers<'a> {
         sum.ln() / CREASE + self.skin.swell * self.swell.at(x, y)
     }
 
-    /// Where in `each` finger `i` of row `j` is, both counted around the patch.
+    /// Returns the index in `each` of finger `i` of row `j`; both wrap around the patch.
     fn index(&self, i: i64, j: i64) -> usize {
         let around = |k: i64, n: usize| k.rem_euclid(n as i64) as usize;
         around(j, self.rows) * self.columns + around(i, self.columns)
@@ -151,7 +151,7 @@ impl<'a> Fingers<'a> {
 }
 
 impl Skin {
-    /// One finger with its roof at `across` its axis and `along` it from the tip; far below 0 where it is not.
+    /// Returns the height of one finger with its roof at `across` its axis and `along` it from the tip; far below 0 outside.
     fn finger(&self, across: f64, along: f64, finger: &Finger) -> f64 {
         /// Deep enough to vanish from every soft maximum.
         const NOWHERE: f64 = -1.0;

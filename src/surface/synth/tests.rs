@@ -5,7 +5,7 @@ fn made(kind: SurfaceKind) -> HeightField {
     generate(&Spec::new(kind)).unwrap()
 }
 
-/// The largest step between neighbours, inside the patch and over its seams, along x and y.
+/// Returns the largest step between neighbours, inside the patch and over its seams, along x and y.
 fn steps(field: &HeightField) -> [[f64; 2]; 2] {
     let (columns, rows) = (field.columns(), field.rows());
     let mut largest = [[0.0_f64; 2]; 2];
@@ -131,7 +131,7 @@ fn lengths_in_the_plane_scale_with_the_period_and_heights_with_the_height() {
         };
         let [small, doubled] = [small, doubled].map(|spec| generate(&spec).unwrap());
         assert!((doubled.pixel_size()[1] / small.pixel_size()[1] - 2.0).abs() < 1e-12);
-        // The waves that bend a skin have lengths of their own.
+        // The waves that bend a skin have fixed lengths, which do not scale.
         if matches!(kind, SurfaceKind::Elaphe | SurfaceKind::Xenopeltis) {
             continue;
         }

@@ -1,13 +1,12 @@
 //! Petals of the tulip 'Queen of the Night': long, irregular striations of the cuticle.
 //!
-//! The striations are a random wave: a sum of plane waves whose frequencies lie on a piece of a ring around the mean
-//! frequency, near the x axis, so that they run along y, bend, fork and end as folds of a cuticle do. The sum alone would
-//! vanish in places and tower in others; it is divided by its own envelope in part, which leaves folds of more equal
-//! height.
+//! The striations are a random wave: a sum of plane waves whose frequencies lie on a piece of a ring around the mean frequency, near the x
+//! axis, so that the striations run along y, bend, fork and end as folds of a cuticle do. The sum alone would vanish in places and tower in
+//! others; division by a part of its envelope leaves folds of more equal height.
 //!
-//! Published: the spacing of 1.2 µm ± 0.3 µm [Whitney et al. 2009, "Floral iridescence, produced by diffractive optics,
-//! acts as a cue for animal pollinators", Science 323, 130–133]. Chosen: the height, how straight the striations are,
-//! and their round profile. The arched cells below the cuticle are left out.
+//! Published: the spacing of 1.2 µm ± 0.3 µm [Whitney et al. 2009, "Floral iridescence, produced by diffractive optics, acts as a cue for
+//! animal pollinators", Science 323, 130–133]. Chosen: the height, the straightness of the striations, and their round profile. The arched
+//! cells below the cuticle are left out.
 
 use super::grid::{SampleGrid, to_full_height};
 use crate::error::Result;
@@ -30,7 +29,7 @@ const REACH: f64 = 3.0;
 /// The mean square of the envelope that counts as full: the larger it is, the more the heights of folds differ.
 const FULL: f64 = 1.0;
 
-/// Striations on `grid`, at its mean distance along `x`, scaled to the full height \[µm\].
+/// Returns striations on `grid`, at its mean distance along `x`, scaled to the full height \[µm\].
 pub(super) fn make(grid: &SampleGrid, height: f64, seed: u64) -> Result<HeightField> {
     let wave = RandomWave::new(grid, seed);
     let raw = grid.sample_lines(|y, line| {
@@ -79,20 +78,20 @@ impl RandomWave {
         Self { first, most, coefficients }
     }
 
-    /// The amplitudes of e^{2πinx} on the line at `y`, a share of the patch.
+    /// Returns the amplitudes of e^{2πinx} on the line at `y`, a share of the patch.
     fn amplitudes(&self, y: f64) -> Vec<Complex64> {
         let step = Complex64::cis(TAU * y);
         let lowest = Complex64::cis(-TAU * self.most as f64 * y);
         self.coefficients.iter().map(|row| horner(row, step) * lowest).collect()
     }
 
-    /// The wave at `x`, a share of the patch, on the line with the `amplitudes`.
+    /// Returns the wave at `x`, a share of the patch, on the line with the `amplitudes`.
     fn value(&self, amplitudes: &[Complex64], x: f64) -> Complex64 {
         horner(amplitudes, Complex64::cis(TAU * x)) * Complex64::cis(TAU * self.first as f64 * x)
     }
 }
 
-/// Σ c_j z^j.
+/// Returns Σ c_j z^j.
 fn horner(coefficients: &[Complex64], z: Complex64) -> Complex64 {
     coefficients.iter().rev().fold(Complex64::ZERO, |sum, c| sum * z + c)
 }
@@ -102,7 +101,7 @@ mod tests {
     use super::*;
     use crate::surface::synth::{Spec, SurfaceKind, generate};
 
-    /// Distances of neighbouring crests on the lines along `x` \[µm\].
+    /// Returns the distances of neighbouring crests on the lines along `x` \[µm\].
     fn distances(field: &HeightField) -> Vec<f64> {
         let middle = crate::surface::statistics::mean(field);
         let mut distances = Vec::new();

@@ -6,14 +6,14 @@ use std::f64::consts::TAU;
 
 /// A smooth, random, periodic function of the patch: a sum of the waves with few cycles along its sides.
 pub(super) struct Waves {
-    /// Most cycles along x and y.
+    /// Largest number of cycles along x and y.
     cycles: [usize; 2],
     /// Amplitude and phase of each wave: `[n][m + most]` for n cycles along x and m along y.
     waves: Vec<Vec<Complex64>>,
 }
 
 impl Waves {
-    /// Waves of up to `cycles` along x and y whose sum has a root mean square of 1.
+    /// Returns waves of up to `cycles` along x and y whose sum has a root mean square of 1.
     pub(super) fn new(random: &mut Random, cycles: [i32; 2]) -> Self {
         let mut wave = |n: i32, m: i32| {
             // One of each pair of opposite waves, and no constant.
@@ -32,7 +32,7 @@ impl Waves {
         Self { cycles: cycles.map(|most| most as usize), waves }
     }
 
-    /// The value at `x`, `y`, shares of the patch: the real part of Σ c e^{2πi(nx + my)}, from powers of two numbers on the circle.
+    /// Returns the value at `x`, `y`, shares of the patch: the real part of Σ c e^{2πi(nx + my)}, from powers of two numbers on the circle.
     pub(super) fn at(&self, x: f64, y: f64) -> f64 {
         let (along_x, along_y) = (Complex64::cis(TAU * x), Complex64::cis(TAU * y));
         let lowest = along_y.conj().powu(self.cycles[1] as u32);

@@ -1,4 +1,4 @@
-//! The inspector: what one pixel of the picture shows, what it was shaded for, and what the f64 reference says of it.
+//! Inspector: radiance and directions of one pixel of the picture, and the f64 reference for them.
 
 pub mod reading;
 pub mod reference;
@@ -7,49 +7,49 @@ use crate::error::Result;
 use reading::{LightAt, Reading};
 use reference::Answer;
 
-/// What is inspected.
+/// State of the inspector.
 #[derive(Default)]
 pub struct Inspector {
-    /// Whether it is shown.
+    /// True while the pane is shown.
     pub open: bool,
-    /// The pixel under the pointer, or the one that was clicked.
+    /// Pixel under the pointer, or the one that was clicked.
     pub at: Option<[u32; 2]>,
-    /// Whether a click holds the pixel, so that it does not follow the pointer.
+    /// True if a click has pinned the pixel, so that it does not follow the pointer.
     pub pinned: bool,
-    /// The light whose directions are shown, counted from 0.
+    /// Number of the light whose directions are shown, from 0.
     pub light: usize,
-    /// What the pixel shows; `None` where the mesh does not cover it, and before the first reading.
+    /// Data of the pixel; `None` if no object covers it, and before the first reading.
     pub reading: Option<Reading>,
-    /// What the reference says of it.
+    /// Answer of the reference.
     pub answer: Option<Answer>,
 }
 
 impl Inspector {
-    /// Closes it and forgets the pixel.
+    /// Closes the pane and forgets the pixel.
     pub fn close(&mut self) {
         *self = Self::default();
     }
 
-    /// Looks at pixel `at` under the pointer, unless a click holds another.
+    /// Moves to the pixel `at` under the pointer, unless a pixel is pinned.
     pub fn follow(&mut self, at: Option<[u32; 2]>) {
         if self.open && !self.pinned && at.is_some() {
             self.at = at;
         }
     }
 
-    /// Holds pixel `at`, or lets go of it where it is held already and no more than `reach` pixels away.
+    /// Pins pixel `at`, or releases the pinned pixel if it is at most `reach` pixels away.
     pub fn click(&mut self, at: [u32; 2], reach: u32) {
         let near = |held: [u32; 2]| held[0].abs_diff(at[0]).max(held[1].abs_diff(at[1])) <= reach;
         self.pinned = !(self.pinned && self.at.is_some_and(near));
         self.at = Some(at);
     }
 
-    /// The light whose directions are shown.
+    /// Returns the light whose directions are shown.
     pub fn light(&self) -> Option<&LightAt> {
         self.reading.as_ref()?.lights.get(self.light)
     }
 
-    /// Shows what was read at the pixel that it was asked for.
+    /// Shows the reading of the requested pixel.
     pub fn show(&mut self, reading: Option<Reading>) {
         self.answer = None;
         self.light =
@@ -57,14 +57,14 @@ impl Inspector {
         self.reading = reading;
     }
 
-    /// Takes what the reference says of reading number `number`.
+    /// Takes the answer of the reference to reading number `number`.
     ///
     /// # Errors
-    /// What the reference failed of.
+    /// Returns the error of the reference.
     pub fn take(&mut self, number: u64, answer: Result<Answer>) -> Result<()> {
         let Some(reading) = &self.reading else { return Ok(()) };
         let answer = answer?;
-        // Its preparation serves all pixels.
+        // The reference is prepared once for all pixels.
         if reading.number == number || matches!(answer, Answer::Preparing(_)) {
             self.answer = Some(answer);
         }

@@ -1,4 +1,4 @@
-//! What a pixel of the picture shows, and what it was shaded for.
+//! Data of a pixel of the picture: its radiance and the directions it was shaded for.
 
 use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
@@ -9,10 +9,10 @@ use crate::viewer::prepared::Prepared;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A pixel of the picture.
+/// Data of a pixel of the picture.
 #[derive(Clone)]
 pub struct Reading {
-    /// A number larger than that of any reading before.
+    /// Number, larger than that of any earlier reading.
     pub number: u64,
     /// Surface and settings of the picture.
     pub prepared: Arc<Prepared>,
@@ -20,23 +20,23 @@ pub struct Reading {
     pub view: View,
     /// Linear sRGB radiance.
     pub radiance: DVec3,
-    /// What each light does.
+    /// Directions under each light.
     pub lights: Vec<LightAt>,
-    /// The directions as the reference takes them, one entry per light.
+    /// Directions in the form that the reference takes, one entry per light.
     pub directions: Vec<Directions>,
 }
 
-/// A light at a pixel.
+/// Light at a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct LightAt {
     /// Directions in the tangent frame of the surface.
     pub pair: Pair,
-    /// Standard deviations of (u, v) that the pixel averages over, along the longer and the shorter axis.
+    /// Standard deviations of (u, v) over the pixel, along the longer and the shorter axis.
     pub footprint: [f64; 2],
 }
 
 impl Reading {
-    /// Of `pixel` in the picture of `view` that was drawn from `prepared`.
+    /// Makes the reading of `pixel` in the picture of `view`, drawn from `prepared`.
     pub fn new(number: u64, prepared: Arc<Prepared>, view: View, pixel: Pixel) -> Self {
         let Pixel { radiance, directions } = pixel;
         let light = |seen: &Directions| LightAt {
@@ -47,7 +47,7 @@ impl Reading {
         Self { number, prepared, view, radiance, lights, directions }
     }
 
-    /// What light number `light` is called.
+    /// Returns the display name of light number `light`.
     pub fn light_name(&self, light: usize) -> String {
         if light < self.view.lights.len() {
             format!("light {}", light + 1)
@@ -62,12 +62,12 @@ fn axes(covariance: &Covariance) -> [f64; 2] {
 }
 
 impl LightAt {
-    /// Why no light comes from there, if none does.
+    /// Returns true if the light or the viewer is below the horizon, so that the pixel is dark.
     pub fn is_dark(&self) -> bool {
         !self.pair.above_horizon()
     }
 
-    /// θ and φ \[degrees\] of the light and of the viewer.
+    /// Returns θ and φ \[degrees\] of the light and of the viewer.
     pub fn angles(&self) -> [[f64; 2]; 2] {
         [self.pair.light, self.pair.view].map(|d| {
             let theta = d.truncate().length().atan2(d.z);
@@ -75,19 +75,19 @@ impl LightAt {
         })
     }
 
-    /// Period \[µm\] of the part of the surface that sends the first order of `wavelength` \[µm\] from this light to this viewer: λ/|(u, v)|.
-    /// Infinite in the specular direction.
+    /// Returns the period \[µm\] of the Fourier component of the surface whose first order diffracts `wavelength`
+    /// \[µm\] from this light to this viewer: λ/|(u, v)|. Infinite in the specular direction.
     pub fn period(&self, wavelength: f64) -> f64 {
         wavelength / self.pair.uvw().truncate().length()
     }
 
-    /// Azimuth of that period's wave vector \[degrees\], from +T toward +B, 0 to 180.
+    /// Returns the azimuth of that period's wave vector \[degrees\], from +T toward +B, 0 to 180.
     pub fn azimuth(&self) -> f64 {
         let uv = self.pair.uvw().truncate();
         uv.y.atan2(uv.x).to_degrees().rem_euclid(180.0)
     }
 
-    /// The query that `diffract eval` answers for these directions, with its header.
+    /// Returns the input of `diffract eval` for these directions, with its header.
     pub fn query(&self) -> String {
         let [[theta_i, phi_i], [theta_r, phi_r]] = self.angles();
         format!("theta_i,phi_i,theta_r,phi_r\n{theta_i},{phi_i},{theta_r},{phi_r}\n")

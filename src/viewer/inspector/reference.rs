@@ -1,4 +1,5 @@
-//! The thread that asks the f64 reference about the inspected pixel. Its table is kept as long as surface and settings stay.
+//! Thread that evaluates the f64 reference for the inspected pixel. It keeps the reference's table until surface or
+//! settings change.
 
 use super::reading::{LightAt, Reading};
 use crate::error::{Error, Result};
@@ -10,29 +11,29 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// Wavelengths of a spectrum, 5 nm apart.
+/// Number of wavelengths of a spectrum, 5 nm apart.
 pub const WAVELENGTHS: usize = 81;
 
-/// Wavelength number `i` of a spectrum \[µm\].
+/// Returns wavelength number `i` of a spectrum \[µm\].
 pub fn wavelength(i: usize) -> f64 {
     SHORTEST + (LONGEST - SHORTEST) * i as f64 / (WAVELENGTHS - 1) as f64
 }
 
-/// What the reference says of a pixel.
+/// Answer of the reference for a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
-    /// The part of its preparation that is done.
+    /// Fraction of the preparation that is done.
     Preparing(f32),
-    /// The answer.
+    /// Result.
     Done {
         /// Linear sRGB radiance of the pixel, averaged over its footprint as the picture is.
         radiance: DVec3,
-        /// The BRDF under each light.
+        /// BRDF under each light.
         lights: Vec<LightAnswer>,
     },
 }
 
-/// The BRDF for the directions of a light and of the viewer, not averaged over the footprint.
+/// BRDF for the directions of a light and of the viewer, not averaged over the footprint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightAnswer {
     /// f \[sr⁻¹\] at each [`wavelength`].
@@ -41,7 +42,7 @@ pub struct LightAnswer {
     pub xyz: DVec3,
 }
 
-/// The thread. Dropping it ends the thread without waiting.
+/// Handle of the thread. Dropping it ends the thread without waiting.
 pub struct DirectionReference {
     readings: Sender<Reading>,
     stop: Arc<AtomicBool>,
@@ -51,7 +52,7 @@ impl DirectionReference {
     /// Starts a thread that answers readings by their number to `reply`.
     ///
     /// # Errors
-    /// When the system refuses a thread.
+    /// Fails if the system refuses a thread.
     pub fn new(reply: impl Fn(u64, Result<Answer>) + Send + 'static) -> Result<Self> {
         let (readings, received) = channel();
         let stop = Arc::new(AtomicBool::new(false));
@@ -68,9 +69,9 @@ impl DirectionReference {
         Ok(Self { readings, stop })
     }
 
-    /// Asks about `reading`, and no more about those before it.
+    /// Requests an answer for `reading` and drops earlier requests.
     pub fn ask(&self, reading: Reading) {
-        // It fails after a panic of the thread alone, which has been told.
+        // Sending fails only after a panic of the thread, which is reported elsewhere.
         let _ = self.readings.send(reading);
     }
 }
@@ -87,13 +88,13 @@ struct Queue {
 }
 
 impl Queue {
-    /// Waits for the newest reading; `None` when the thread is to end.
+    /// Waits for the newest reading; `None` if the thread is to end.
     fn next(&self) -> Option<Reading> {
         let first = self.received.recv().ok()?;
         Some(self.newer(first)).filter(|_| !self.is_stopped())
     }
 
-    /// The newest reading, which is `reading` where no other waits.
+    /// Returns the newest reading, which is `reading` if no other waits.
     fn newer(&self, reading: Reading) -> Reading {
         self.received.try_iter().last().unwrap_or(reading)
     }
@@ -103,7 +104,7 @@ impl Queue {
     }
 }
 
-/// Answers `first` and the readings after it of the same surface and settings; the first of others.
+/// Answers `first` and the following readings of the same surface and settings. Returns the first reading of others.
 fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) -> Option<Reading> {
     let prepared = first.prepared.clone();
     let Prepared { field, number, .. } = &*prepared;

@@ -1,4 +1,4 @@
-//! The cost of the settings, and the foot of the panel.
+//! Cost of the settings, and foot of the panel.
 
 use super::optics::percent;
 use super::rows::{self, FRAMES, quantity, value};
@@ -82,7 +82,7 @@ fn errors(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// A time in milliseconds, or in seconds from one second on.
+/// Formats a time in milliseconds, or in seconds from one second on.
 fn time(milliseconds: f64) -> String {
     match milliseconds {
         ms if ms < 10.0 => format!("{ms:.1} ms"),
@@ -91,7 +91,7 @@ fn time(milliseconds: f64) -> String {
     }
 }
 
-/// The error bound of a setting: the tolerance, unless the user has set numbers that do not follow from it.
+/// Formats the error bound of a setting: the tolerance, unless the user has set numbers that do not follow from it.
 fn bound(terms: &Option<usize>, wavelengths: &Option<usize>, tolerance: f64) -> String {
     match (terms, wavelengths) {
         (None, None) => format!("{} (RMS, relative)", percent(tolerance)),

@@ -1,4 +1,4 @@
-//! The rows of the optics.
+//! Rows of the optics.
 
 use super::rows::{self, SettingRow, number};
 use super::section;
@@ -11,7 +11,7 @@ use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
 use egui::{ComboBox, RichText, Ui};
 
-/// Shows the user's own setting and the spectrum of the light.
+/// Shows the main setting and the spectrum of the light.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     section(ui, "Optics", |ui| {
         setting(ui, "own", &mut model.settings.optics, model.settings.coherence);
@@ -70,7 +70,7 @@ fn choice<T: PartialEq + Copy>(ui: &mut Ui, id: &str, now: &mut T, all: &[(T, &s
     });
 }
 
-/// A number that follows from the tolerance unless the user sets it; `first` is the value to start with.
+/// Shows a number that follows from the tolerance unless the user sets it; `first` is the value to start with.
 fn count(
     ui: &mut Ui,
     row: &SettingRow,
@@ -89,7 +89,7 @@ fn count(
     });
 }
 
-/// A fraction in percent.
+/// Formats a fraction in percent.
 pub fn percent(part: f64) -> String {
     format!("{} %", (part * 1e6).round() / 1e4)
 }

@@ -1,4 +1,4 @@
-//! The rows of the panel: what each is called, what it sets, and the option of `diffract view` that sets the same.
+//! Rows of the panel: label, tooltip, and the corresponding option of `diffract view`.
 
 use crate::units;
 use crate::viewer::settings::ViewSettings;
@@ -9,15 +9,15 @@ use std::sync::Arc;
 /// Width of the labels [points].
 const LABEL: f32 = 100.0;
 
-/// A row of the panel.
+/// Row of the panel.
 pub struct SettingRow {
-    /// The label.
+    /// Label.
     pub label: &'static str,
-    /// What it shows or sets, with the unit.
+    /// Tooltip: the quantity shown or set, with its unit.
     pub tip: &'static str,
-    /// The option of the command line.
+    /// Option of the command line.
     pub option: Option<&'static str>,
-    /// Copies what it sets from the second settings to the first.
+    /// Copies the settings of the row from the second argument to the first.
     pub copy: Option<Copy>,
 }
 
@@ -37,7 +37,7 @@ impl SettingRow {
         Self { label, tip, option: None, copy: None }
     }
 
-    /// The text beside the pointer.
+    /// Returns the tooltip with the option.
     pub fn help(&self) -> String {
         self.option.map_or_else(|| self.tip.to_owned(), |option| format!("{}\n{option}", self.tip))
     }
@@ -47,7 +47,7 @@ impl SettingRow {
 macro_rules! rows {
     ($($name:ident = $row:expr;)*) => {
         $(pub const $name: SettingRow = $row;)*
-        /// All of them.
+        /// All rows.
         pub const ALL: &[&SettingRow] = &[$(&$name),*];
     };
 }
@@ -119,7 +119,7 @@ rows! {
     FPS = SettingRow::setting("frame rate", "--fps", "Frames a second to keep while something moves, by leaving work out. continuous: draw all the time.  [space]");
 }
 
-/// The rows of the inspector.
+/// Rows of the inspector.
 pub mod inspected {
     use super::SettingRow;
 
@@ -167,7 +167,7 @@ pub mod inspected {
     );
 }
 
-/// The parts of the surface pane.
+/// Parts of the surface pane.
 pub mod surface_pane {
     use super::SettingRow;
 
@@ -194,15 +194,15 @@ pub mod surface_pane {
     );
 }
 
-/// Which rows can be reset, and the one that is to be.
+/// Rows that can be reset, and the requested reset.
 #[derive(Clone, Default)]
 struct Resets {
-    // The labels of the rows whose settings differ from those that a reset returns to. Empty where rows have no reset.
+    // Labels of the rows whose settings differ from those of a reset. Empty if rows have no reset.
     offered: Arc<Vec<&'static str>>,
     asked: Option<Copy>,
 }
 
-/// Lets the rows from now on be reset to `start` where `settings` differ from it.
+/// Offers to reset the following rows to `start` if their `settings` differ from it.
 pub fn offer_resets(ui: &Ui, settings: &ViewSettings, start: &ViewSettings) {
     let differs = |copy: Copy| {
         let mut reset = settings.clone();
@@ -213,7 +213,7 @@ pub fn offer_resets(ui: &Ui, settings: &ViewSettings, start: &ViewSettings) {
     ui.data_mut(|data| data.insert_temp(Id::NULL, Resets { offered: Arc::new(offered), asked: None }));
 }
 
-/// Resets in `settings` what the user has asked for.
+/// Applies the requested reset to `settings`.
 pub fn reset(ui: &Ui, settings: &mut ViewSettings, start: &ViewSettings) {
     if let Some(copy) = resets(ui).asked {
         copy(settings, start);
@@ -232,12 +232,12 @@ fn resets(ui: &Ui) -> Resets {
     ui.data(|data| data.get_temp(Id::NULL)).unwrap_or_default()
 }
 
-/// Shows `row` with what `add` adds behind its label.
+/// Shows `row`, with `add` behind its label.
 pub fn show(ui: &mut Ui, row: &SettingRow, add: impl FnOnce(&mut Ui)) {
     numbered(ui, row, row.label, add);
 }
 
-/// As [`show`], under another label.
+/// Shows `row` as [`show`] does, under another label.
 pub fn numbered(ui: &mut Ui, row: &SettingRow, label: &str, add: impl FnOnce(&mut Ui)) {
     let height = ui.spacing().interact_size.y;
     let copy = row.copy.filter(|_| resets(ui).offered.contains(&row.label));
@@ -248,13 +248,13 @@ pub fn numbered(ui: &mut Ui, row: &SettingRow, label: &str, add: impl FnOnce(&mu
         });
         ui.horizontal_wrapped(add);
     });
-    // Above what the row holds, because only what lies on top is hovered.
+    // Covers the row's controls, because only the topmost area is hovered.
     let whole = ui.interact(shown.response.rect, shown.response.id.with("tip"), Sense::hover());
     let reset = if copy.is_some() { "\nDouble-click the label to reset it." } else { "" };
     whole.on_hover_text(row.help() + reset);
 }
 
-/// Shows the label of a row, bright where `copy` undoes what the user has set.
+/// Shows the label of a row, bright if `copy` undoes a change of the user.
 fn name(ui: &mut Ui, label: &str, copy: Option<Copy>) {
     let Some(copy) = copy else {
         ui.add(Label::new(RichText::new(label).color(style::FAINT)).selectable(false));
@@ -277,19 +277,19 @@ pub fn value(ui: &mut Ui, row: &SettingRow, text: impl Into<String>) {
     });
 }
 
-/// A draggable number. A value from the command line may lie outside the range of the drag.
+/// Returns a draggable number. A value from the command line may lie outside the range of the drag.
 pub fn number<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
     DragValue::new(value).clamp_existing_to_range(false)
 }
 
-/// A draggable number of a unit. What is typed may have another unit of the same kind.
+/// Returns a draggable number with a unit. Typed numbers may have another unit of the same kind.
 pub fn quantity<'a, N: egui::emath::Numeric>(value: &'a mut N, unit: &'static Unit) -> DragValue<'a> {
     number(value).suffix(unit.suffix).custom_parser(|text| unit.parse(text))
 }
 
-/// The unit of a number on the panel.
+/// Unit of a number on the panel.
 pub struct Unit {
-    /// What stands behind the number.
+    /// Suffix of the number.
     suffix: &'static str,
     /// Reads a number with a unit.
     read: fn(&str) -> Option<f64>,
@@ -309,7 +309,7 @@ pub const FRAMES: Unit = Unit { suffix: " fps", read: |_| None };
 pub const WATTS: Unit = Unit { suffix: " W", read: |_| None };
 
 impl Unit {
-    /// The number that `text` stands for, in this unit, which a number without one has.
+    /// Parses `text` as a number in this unit; a number without a unit is taken to be in it.
     fn parse(&self, text: &str) -> Option<f64> {
         let text = text.trim().replace('−', "-");
         let bare = text.strip_suffix(self.suffix.trim()).unwrap_or(&text).trim();

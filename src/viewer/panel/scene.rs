@@ -1,4 +1,4 @@
-//! The rows of scene, lights and comparison.
+//! Rows of scene, lights and comparison.
 
 use super::rows::{self, DEGREES, STOPS, WATTS, number, quantity};
 use super::{optics, section, short, surface};
@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Shows the buttons that open and save, and the files that were opened lately.
+/// Shows the buttons that open and save, and the recently opened files.
 fn file(ui: &mut Ui, model: &mut Model) {
     ui.spacing_mut().item_spacing.x = 4.0;
     if ui.small_button("open").clicked() {
@@ -67,7 +67,7 @@ fn file(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Shows the pictures of a turntable, and the button that records them or stops.
+/// Shows the number of pictures of a turntable, and the button that starts or stops its recording.
 fn turntable(ui: &mut Ui, model: &mut Model) {
     rows::show(ui, &rows::TURNTABLE, |ui| {
         let count = number(&mut model.turntable).speed(0.5).range(2..=10_000).suffix(" pictures");
@@ -81,7 +81,7 @@ fn base_color(ui: &mut Ui, settings: &mut ViewSettings) {
     rows::show(ui, &rows::BASE_COLOR, |ui| {
         let mut rgb = settings.base_color.to_array();
         if ui.color_edit_button_rgb(&mut rgb).changed() {
-            // Rounded to four digits, which is finer than a display and short on a command line.
+            // Rounded to four digits: finer than a display, and short on a command line.
             settings.base_color = rgb.map(|c| (c * 1e4).round() / 1e4).into();
         }
     });
@@ -123,7 +123,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
             };
             Light::point(40.0, phi, 1.0)
         };
-        // Of a third of the scene's size, above it.
+        // A lamp of a third of the scene's size, above the scene.
         let lamp = || {
             let digits = 10f64.powf(2.0 - radius.log10().floor());
             let round = |x: f64| (x * digits).round() / digits;
@@ -146,7 +146,7 @@ pub fn lights(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Shows how the surroundings stand.
+/// Shows rotation and exposure of the surroundings.
 fn surroundings(ui: &mut Ui, placement: &mut Placement) {
     rows::show(ui, &rows::SURROUNDINGS, |ui| {
         let rotation = quantity(&mut placement.rotation, &DEGREES).speed(0.5).range(-360.0..=360.0);
@@ -156,7 +156,7 @@ fn surroundings(ui: &mut Ui, placement: &mut Placement) {
     });
 }
 
-/// Shows the spectrum of a light, and lets another be chosen.
+/// Shows the spectrum of a light and a list of others.
 fn spectrum(ui: &mut Ui, spectrum: &mut Option<LightSpectrum>) {
     let is_built_in = |own: &LightSpectrum| own.file().is_none();
     let name = match spectrum {
@@ -218,7 +218,7 @@ fn angles(ui: &mut Ui, light: &mut FarLight) {
     ui.add(intensity.prefix("× "));
 }
 
-/// Shows what the picture is compared with.
+/// Shows the settings of the comparison.
 pub fn compare(ui: &mut Ui, model: &mut Model) {
     section(ui, "Compare", |ui| {
         rows::show(ui, &rows::COMPARE, |ui| {
@@ -237,7 +237,7 @@ pub fn compare(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Shows which surface the picture is compared with.
+/// Shows the surface of the comparison.
 fn other_surface(ui: &mut Ui, model: &mut Model) {
     let other = &mut model.comparison.surface;
     rows::show(ui, &rows::OTHER_SURFACE, |ui| surface::other(ui, other, &model.files));

@@ -1,4 +1,4 @@
-//! The rows of the height field.
+//! Rows of the height field.
 
 use super::rows::{self, MICROMETRES, NANOMETRES, number, quantity};
 use super::{section, short};
@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
     });
 }
 
-/// Shows the refractive index, which the user may change, or the name of a material that has a spectrum.
+/// Shows the refractive index, which can be changed, or the name of a material with a spectrum.
 fn index(ui: &mut Ui, reflectance: &mut Reflectance) {
     let Some(mut ior) = reflectance.index() else {
         ui.label(reflectance.to_string());
@@ -43,7 +43,7 @@ fn index(ui: &mut Ui, reflectance: &mut Reflectance) {
     }
 }
 
-/// Shows the list of surfaces: those of the files that were opened, then the generated ones.
+/// Shows the list of surfaces: opened files, then the generated surfaces.
 fn name(ui: &mut Ui, source: &mut SurfaceSource, files: &[SurfaceSource]) {
     let text = source.name.to_string_lossy().into_owned();
     let list = ComboBox::from_id_salt("surface name").selected_text(short(&text)).truncate();
@@ -54,7 +54,7 @@ fn name(ui: &mut Ui, source: &mut SurfaceSource, files: &[SurfaceSource]) {
     });
 }
 
-/// Shows the same list for what the picture is compared with, which may be its own surface.
+/// Shows the same list for the comparison, with an entry for the same surface.
 pub fn other(ui: &mut Ui, other: &mut Option<SurfaceSource>, files: &[SurfaceSource]) {
     const SAME: &str = "same";
     let text = other.as_ref().map_or(SAME.to_owned(), |other| other.name.to_string_lossy().into_owned());
@@ -69,7 +69,7 @@ pub fn other(ui: &mut Ui, other: &mut Option<SurfaceSource>, files: &[SurfaceSou
     });
 }
 
-/// Shows the entries of a list of surfaces, of which `now` is chosen; another one that the user chooses.
+/// Shows the entries of a list of surfaces, with `now` selected. Returns a newly chosen surface.
 fn choice(ui: &mut Ui, now: Option<&SurfaceSource>, files: &[SurfaceSource]) -> Option<SurfaceSource> {
     let mut chosen = None;
     for file in files {
@@ -88,7 +88,7 @@ fn choice(ui: &mut Ui, now: Option<&SurfaceSource>, files: &[SurfaceSource]) -> 
     chosen
 }
 
-/// Shows what is subtracted from the heights of `source`.
+/// Shows the kinds of levelling of the heights of `source`.
 pub fn level(ui: &mut Ui, source: &mut SurfaceSource) {
     for level in [Levelling::None, Levelling::Mean, Levelling::Plane] {
         if ui.selectable_label(source.level() == level, level.to_string()).clicked() {
@@ -127,7 +127,7 @@ fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence)
     }
 }
 
-/// Shows the units of a height image, which has none of its own.
+/// Shows the units of a height image, which has none in the file.
 fn units(ui: &mut Ui, source: &mut SurfaceSource) {
     rows::show(ui, &rows::SPACING, |ui| {
         let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);

@@ -1,23 +1,23 @@
-//! What the surface pane shows of a height field, computed off the window's thread.
+//! Analysis of a height field for the surface pane, computed in the background.
 
 use crate::error::Result;
 use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
+use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::statistics::periods::{Period, dominant_periods};
-use crate::surface::statistics::picture::{PlotGrid, histogram, side_of_power};
-use crate::surface::statistics::spectrum::{SurfaceSpectrum, analysed_part};
+use crate::surface::statistics::plot_grid::{PlotGrid, histogram, side_of_power};
 use std::sync::Arc;
 
-/// The longest side of pictures \[pixels\]; more is not seen.
+/// Longest side of the plots \[pixels\]; more is not visible.
 const MOST_PIXELS: usize = 512;
 /// Bins of the histogram.
 const BINS: usize = 90;
-/// RMS slope of the heights in the relief after exaggeration: steep enough to be read, and no facet is all black.
+/// RMS slope of the exaggerated heights in the relief: steep enough to be visible, without black facets.
 const RELIEF_SLOPE: f64 = 0.6;
 
-/// A height field as the pane shows it.
+/// Analysis of a height field for the pane.
 pub struct Analysis {
-    /// The height field.
+    /// Height field.
     pub field: Arc<HeightField>,
     /// Heights \[nm\].
     pub heights: PlotGrid,
@@ -25,7 +25,7 @@ pub struct Analysis {
     pub range: [f64; 2],
     /// Brightness of a relief, 0 to 1, in the grid of the heights.
     pub relief: Vec<f64>,
-    /// The factor on the heights in the relief.
+    /// Factor on the heights in the relief.
     pub exaggeration: f64,
     /// Standard deviation of the heights \[nm\].
     pub rms: f64,
@@ -35,15 +35,15 @@ pub struct Analysis {
     pub power: PlotGrid,
     /// Largest frequency of `power` along each axis \[1/µm\].
     pub side: f64,
-    /// The periods that stand out.
+    /// Dominant periods.
     pub periods: Vec<Period>,
 }
 
 impl Analysis {
-    /// Of `field`.
+    /// Analyses `field`.
     ///
     /// # Errors
-    /// Where the memory does not hold the spectrum.
+    /// Fails if there is not enough memory for the spectrum.
     pub fn of(field: &Arc<HeightField>) -> Result<Self> {
         let heights = PlotGrid::of_heights(field, MOST_PIXELS);
         let spacing = [0, 1].map(|axis| field.patch_size()[axis] / heights.size[axis] as f64);
@@ -71,12 +71,12 @@ impl Analysis {
     }
 }
 
-/// Brightness of `heights` \[nm\] on a grid of this `spacing` \[µm\] that are lit from the upper left, 45° above the plane, by Lambert's law; and the factor by
-/// which the heights are exaggerated.
+/// Returns the brightness of `heights` \[nm\] on a grid of this `spacing` \[µm\], lit from the upper left, 45° above
+/// the plane, by Lambert's law; and the factor by which the heights are exaggerated.
 fn relief(heights: &PlotGrid, spacing: [f64; 2]) -> (Vec<f64>, f64) {
     let [columns, rows] = heights.size;
     let at = |column: usize, row: usize| heights.values[row * columns + column] * 1e-3;
-    // Differences across a sample, or to it at the edges.
+    // Central differences, one-sided at the edges.
     let slope = |i: usize| {
         let (column, row) = (i % columns, i / columns);
         let [left, right] = [column.saturating_sub(1), (column + 1).min(columns - 1)];
@@ -92,14 +92,14 @@ fn relief(heights: &PlotGrid, spacing: [f64; 2]) -> (Vec<f64>, f64) {
     (slopes.into_iter().map(|slope| brightness(slope.map(|s| s * factor))).collect(), factor)
 }
 
-/// Lambert's law for a facet of this slope along x and y, lit along (−1, 1, √2)/2.
+/// Returns Lambert's cosine of a facet with this slope along x and y, lit along (−1, 1, √2)/2.
 fn brightness([along, up]: [f64; 2]) -> f64 {
     let toward_light = 0.5 * (along - up) + 0.5 * std::f64::consts::SQRT_2;
     (toward_light / (1.0 + along * along + up * up).sqrt()).max(0.0)
 }
 
-/// The heights of `field` \[nm\] along the straight line from one point to another \[µm, from the middle, y up\]: distance from the first \[µm\] and
-/// height, bilinear between samples.
+/// Returns the profile of `field` along the straight line between two points \[µm, from the centre, y up\]: distance
+/// from the first point \[µm\] and height \[nm\], bilinear between samples.
 pub fn profile(field: &HeightField, [from, to]: [[f64; 2]; 2], points: usize) -> Vec<[f64; 2]> {
     let length = (to[0] - from[0]).hypot(to[1] - from[1]);
     let point = |i: usize| {
@@ -110,7 +110,8 @@ pub fn profile(field: &HeightField, [from, to]: [[f64; 2]; 2], points: usize) ->
     (0..points.max(2)).map(point).collect()
 }
 
-/// The height of `field` \[nm\] at `place` \[µm, from the middle, y up\], bilinear between samples and constant beyond the outer ones.
+/// Returns the height of `field` \[nm\] at `place` \[µm, from the centre, y up\], bilinear between samples and constant
+/// beyond the outer ones.
 pub fn height_at(field: &HeightField, place: [f64; 2]) -> f64 {
     let pixel = field.pixel_size();
     let along = |position: f64, count: usize| {

@@ -1,20 +1,22 @@
-//! Between spatial frequencies of the surface and directions of light: (u, v) = −ω_i − ω_r, and the first order of the frequency f is at (u, v) = λ f.
+//! Conversion between spatial frequencies of the surface and directions of light: (u, v) = −ω_i − ω_r, and the first
+//! order of the frequency f is at (u, v) = λ f.
 
 use glam::DVec2;
 
-/// The horizontal part of the direction in which the frequency `f` \[1/µm\] sends light of `wavelength` \[µm\] that comes from `light` (the horizontal part of
-/// ω_i); `None` where no light goes there.
+/// Returns the horizontal part of the direction into which the frequency `f` \[1/µm\] diffracts `wavelength` \[µm\]
+/// from `light` (the horizontal part of ω_i); `None` if that order is evanescent.
 pub fn direction(f: DVec2, wavelength: f64, light: DVec2) -> Option<DVec2> {
     let toward = -light - f * wavelength;
     (toward.length_squared() <= 1.0).then_some(toward)
 }
 
-/// The middle and the radius of the disc of frequencies \[1/µm\] that send light of `wavelength` \[µm\] from `light` anywhere.
+/// Returns centre and radius of the disc of frequencies \[1/µm\] whose first orders of `wavelength` \[µm\] from `light`
+/// propagate.
 pub fn visible(wavelength: f64, light: DVec2) -> (DVec2, f64) {
     (-light / wavelength, 1.0 / wavelength)
 }
 
-/// Length \[µm\] and azimuth \[degrees, 0 to 180\] of the period of the frequency `f` \[1/µm\].
+/// Returns length \[µm\] and azimuth \[degrees, 0 to 180\] of the period of the frequency `f` \[1/µm\].
 pub fn period(f: DVec2) -> [f64; 2] {
     [1.0 / f.length(), f.y.atan2(f.x).to_degrees().rem_euclid(180.0)]
 }

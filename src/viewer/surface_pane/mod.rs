@@ -1,5 +1,6 @@
-//! The surface pane: the height field that diffracts as a picture and as a relief, a profile, the distribution of heights, and the power
-//! spectrum with what light of a wavelength can see of it. What is pointed at in one is marked in the others.
+//! Surface pane: the height field as a picture and as a relief, a profile, the distribution of heights, and the power
+//! spectrum with the frequencies visible at a wavelength. The point under the pointer in one plot is marked in the
+//! others.
 
 pub mod analysis;
 pub mod directions;
@@ -10,63 +11,63 @@ use analysis::Analysis;
 use egui::TextureHandle;
 use std::sync::Arc;
 
-/// How heights are shown.
+/// Rendering of heights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShownPane {
-    /// In false colour.
+    /// False colours.
     #[default]
     Heights,
-    /// As if lit from the upper left.
+    /// Relief lit from the upper left.
     Relief,
 }
 
-/// What the pointer is on.
+/// Point under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pointed {
-    /// A spatial frequency \[1/µm\].
+    /// Spatial frequency \[1/µm\].
     Frequency([f64; 2]),
-    /// A place on the surface \[µm, from the middle, y up\].
+    /// Position on the surface \[µm, from the centre, y up\].
     Place([f64; 2]),
 }
 
-/// The state of the pane.
+/// State of the pane.
 #[derive(Default)]
 pub struct SurfacePane {
-    /// Whether it is shown.
+    /// True while it is shown.
     pub open: bool,
-    /// The height field that was read last.
+    /// Height field that was read last.
     pub field: Option<Arc<HeightField>>,
-    /// What is shown of it, once it is computed.
+    /// Analysis of the height field, once it is computed.
     pub analysis: Option<Arc<Analysis>>,
-    /// How heights are shown.
+    /// Rendering of heights.
     pub shown: ShownPane,
-    /// Ends of the line of the profile \[µm\]; across the middle unless one is drawn.
+    /// Ends of the profile line \[µm\]; by default it crosses the centre.
     pub line: Option<[[f64; 2]; 2]>,
     /// Wavelength of the light whose orders are shown \[µm\].
     pub wavelength: Option<f64>,
-    /// What the pointer was on at the last pass.
+    /// Point under the pointer at the last pass.
     pub pointed: Option<Pointed>,
-    /// Of the heights as they are shown, and of the power spectrum.
+    /// Textures of the heights and of the power spectrum.
     pub pictures: Option<SurfacePictures>,
 }
 
-/// Textures, and what they show.
+/// Textures, and the data they show.
 pub struct SurfacePictures {
-    /// Of what.
+    /// Analysis.
     pub analysis: Arc<Analysis>,
-    /// How heights are shown.
+    /// Rendering of heights.
     pub shown: ShownPane,
-    /// The heights.
+    /// Heights.
     pub heights: TextureHandle,
-    /// The power spectrum.
+    /// Power spectrum.
     pub power: TextureHandle,
 }
 
 impl SurfacePane {
-    /// Middle of the visible spectrum, unless another wavelength is chosen \[µm\].
+    /// Default wavelength, the middle of the visible spectrum \[µm\].
     const GREEN: f64 = 0.55;
 
-    /// The height field that an analysis is missing of, while the pane is open.
+    /// Returns the height field whose analysis is missing, while the pane is open.
     pub fn missing(&self) -> Option<&Arc<HeightField>> {
         let field = self.field.as_ref().filter(|_| self.open)?;
         let is_there = self.analysis.as_ref().is_some_and(|analysis| Arc::ptr_eq(&analysis.field, field));
@@ -80,19 +81,19 @@ impl SurfacePane {
         }
     }
 
-    /// Takes what was computed of a height field, unless another one has come since.
+    /// Takes the analysis of a height field, unless another one was read since.
     pub fn take(&mut self, analysis: Arc<Analysis>) {
         if self.field.as_ref().is_some_and(|field| Arc::ptr_eq(field, &analysis.field)) {
             self.analysis = Some(analysis);
         }
     }
 
-    /// Wavelength of the light whose orders are shown \[µm\].
+    /// Returns the wavelength of the light whose orders are shown \[µm\].
     pub fn wavelength(&self) -> f64 {
         self.wavelength.unwrap_or(Self::GREEN)
     }
 
-    /// The frequency that the pointer is on \[1/µm\].
+    /// Returns the frequency under the pointer \[1/µm\].
     pub fn pointed_frequency(&self) -> Option<[f64; 2]> {
         match self.pointed {
             Some(Pointed::Frequency(frequency)) if self.open => Some(frequency),

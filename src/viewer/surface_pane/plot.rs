@@ -3,23 +3,23 @@
 use crate::viewer::style;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, TextureHandle, pos2, vec2};
 
-/// Room for the names of the vertical axis and below the horizontal one \[points\].
+/// Space for the labels of the vertical and of the horizontal axis \[points\].
 pub const LEFT: f32 = 40.0;
 pub const BELOW: f32 = 28.0;
 
-/// A rectangle whose places have coordinates.
+/// Rectangle with coordinate axes.
 #[derive(Clone, Copy)]
 pub struct Axes {
-    /// Where it stands.
+    /// Position in the window.
     pub rect: Rect,
-    /// Coordinates at its left and right edge.
+    /// Coordinates of the left and right edge.
     pub x: [f64; 2],
-    /// Coordinates at its lower and upper edge.
+    /// Coordinates of the lower and upper edge.
     pub y: [f64; 2],
 }
 
 impl Axes {
-    /// Where a point stands.
+    /// Returns the position of a point in the window.
     pub fn place(&self, [x, y]: [f64; 2]) -> Pos2 {
         let part = |value: f64, [low, high]: [f64; 2]| ((value - low) / (high - low)) as f32;
         pos2(
@@ -28,7 +28,7 @@ impl Axes {
         )
     }
 
-    /// The point at `place`.
+    /// Returns the point at the position `place` in the window.
     pub fn point(&self, place: Pos2) -> [f64; 2] {
         let at = |part: f32, [low, high]: [f64; 2]| low + f64::from(part) * (high - low);
         let across = (place.x - self.rect.left()) / self.rect.width();
@@ -36,7 +36,7 @@ impl Axes {
         [at(across, self.x), at(up, self.y)]
     }
 
-    /// Draws the ground, lines and names at round values, and `units` of both axes.
+    /// Draws the background, grid lines and labels at round values, and the `units` of both axes.
     pub fn draw(&self, painter: &Painter, units: [&str; 2]) {
         let small = FontId::proportional(10.0);
         let rect = self.rect;
@@ -69,7 +69,7 @@ impl Axes {
         painter.add(Shape::line(places, Stroke::new(1.5, color)));
     }
 
-    /// Draws bars from the outline of a band: x, from, to.
+    /// Draws bars from the outline of a band: x, lower and upper value.
     pub fn bars(&self, painter: &Painter, outline: &[[f64; 3]], color: Color32) {
         let mut mesh = Mesh::default();
         for step in outline.chunks_exact(2) {
@@ -80,7 +80,7 @@ impl Axes {
     }
 }
 
-/// Up to about `most` round values within a range.
+/// Returns up to about `most` round values within a range.
 pub fn round_values([low, high]: [f64; 2], most: usize) -> Vec<f64> {
     let span = high - low;
     if !(span.is_finite() && span > 0.0) {
@@ -95,7 +95,7 @@ pub fn round_values([low, high]: [f64; 2], most: usize) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// A round value without needless digits.
+/// Formats a round value without trailing digits.
 fn number(x: f64) -> String {
     let rounded = (x * 1e6).round() / 1e6;
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded })

@@ -17,7 +17,8 @@ use crate::viewer::start::Output;
 use crate::viewer::{orbit, save};
 use std::path::{Path, PathBuf};
 
-/// Sample spacing \[µm\] and full height \[µm\] of a typical scan of a snake's skin, to start from where a file has no units.
+/// Sample spacing \[µm\] and full height \[µm\] of a typical scan of a snake's skin, as initial values for a file
+/// without units.
 const TYPICAL_PIXEL: [f64; 2] = [0.1; 2];
 const TYPICAL_HEIGHT: f64 = 0.5;
 
@@ -85,7 +86,7 @@ impl ViewerWindow {
         }
     }
 
-    /// Has the picture drawn for a file of a free name.
+    /// Requests the picture for a file with an unused name.
     fn request_save(&mut self, format: SaveAs) {
         match self.own_frame().filter(|_| self.is_settled()) {
             Some(request) => {
@@ -106,14 +107,14 @@ impl ViewerWindow {
         self.window.request_redraw();
     }
 
-    /// Opens a dropped file, or a scene by name. Any other kind of file is taken for a height field.
+    /// Opens a dropped file, or a scene by name. Files of unknown type are read as height fields.
     fn open(&mut self, name: String) {
         let extension =
             Path::new(&name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         if extension.is_empty() || extension == "obj" || extension == "toml" {
             return self.open_scene(name, false);
         }
-        // Microscopes' files have units. Images have none: they start with those of a scan of a skin.
+        // Files of microscopes have units. Images have none and start with those of a scan of a skin.
         let image = matches!(extension.as_str(), "png" | "tif" | "tiff");
         let SurfaceSource { pixel_size, height, .. } = self.model.settings.surface;
         if image && (pixel_size.is_none() || height.is_none()) {
@@ -132,7 +133,8 @@ impl ViewerWindow {
         self.window.request_redraw();
     }
 
-    /// Opens a scene or a mesh on a thread of its own, because a large one takes a while. If it `resets`, the settings at the start follow.
+    /// Opens a scene or a mesh on a separate thread, because a large one takes long. If `resets`, the settings at the
+    /// start are restored too.
     fn open_scene(&mut self, name: String, resets: bool) {
         let message = format!("opening {name}");
         let open = self.scenes.open;
@@ -142,7 +144,7 @@ impl ViewerWindow {
                 Ok(scene) => scene,
                 Err(e) => return failed(e),
             };
-            // A scene file that says how it is computed replaces all settings.
+            // A scene file with options replaces all settings.
             let settings = if scene.options.is_empty() || resets {
                 None
             } else {
@@ -155,7 +157,7 @@ impl ViewerWindow {
         });
     }
 
-    /// Writes what is shown as a scene file.
+    /// Writes the displayed settings as a scene file.
     fn save_scene(&mut self, path: PathBuf) {
         let settings =
             ViewSettings { scene: self.model.applied.scene.clone(), ..self.model.settings.clone() };
@@ -170,7 +172,7 @@ impl ViewerWindow {
         self.window.request_redraw();
     }
 
-    /// Puts a file in front of those that were opened lately.
+    /// Puts a file in front of the recently opened ones.
     pub(super) fn remember_file(&mut self, name: &str) {
         if let Some(recent) = self.model.file_choice.remember(name)
             && let Err(e) = (self.last.keep_recent)(recent)
@@ -193,7 +195,7 @@ impl ViewerWindow {
             self.model.say(format!("{} of {}: {}", next + 1, all.len(), all[next].name()));
             return self.window.request_redraw();
         }
-        // From a file that was refused, steps go on: the surface is the one before it again.
+        // After a refused file, steps continue from that file, although the surface is the previous one again.
         let from = match &self.tried {
             Some(tried) if tried.from == surface.name => tried.path.clone(),
             _ => PathBuf::from(&surface.name),
@@ -201,7 +203,7 @@ impl ViewerWindow {
         self.aside("folder", move || Event::Neighbour(folder::neighbour(&from, step)));
     }
 
-    /// Shows a file that a step has led to.
+    /// Shows the file of a step in a folder.
     pub(super) fn show_neighbour(&mut self, found: Result<Neighbour>) {
         match found {
             Ok(Neighbour { path, number, of }) => {
@@ -214,7 +216,7 @@ impl ViewerWindow {
         }
     }
 
-    /// Opens what the window that was closed last showed.
+    /// Restores the window that was closed last.
     fn go_on(&mut self) {
         let open = self.last.open;
         self.open_aside("opening what the last window showed".to_owned(), move || match open() {
@@ -227,13 +229,13 @@ impl ViewerWindow {
         });
     }
 
-    /// Has `open` done on a thread of its own, with `message` shown.
+    /// Runs `open` on a separate thread and shows `message`.
     fn open_aside(&mut self, message: String, open: impl FnOnce() -> OpenedScene + Send + 'static) {
         self.model.say(message);
         self.aside("scene", move || Event::Scene(Box::new(open())));
     }
 
-    /// Has `work` done on a thread of its own.
+    /// Runs `work` on a separate thread.
     pub(super) fn aside(&mut self, name: &str, work: impl FnOnce() -> Event + Send + 'static) {
         let proxy = self.proxy.clone();
         let work = move || {

@@ -1,4 +1,4 @@
-//! The recording of a turntable: pictures of a whole turn of the camera, one file each.
+//! Recording of a turntable: pictures of a whole turn of the camera, one file each.
 
 use super::{PendingSave, ViewerWindow};
 use crate::optics::coherence::Windows;
@@ -11,15 +11,15 @@ use crate::viewer::save;
 use crate::viewer::start::Output;
 use std::path::{Path, PathBuf};
 
-/// A turntable that is being recorded.
+/// Turntable that is being recorded.
 pub(super) struct Recording {
     sequence: Sequence,
-    // What the numbered files are called without their number.
+    // Path of the numbered files, without the number.
     file: PathBuf,
     command: String,
-    // Picture number 0, once there is a source that is fine enough for all of them.
+    // Picture number 0, once there is a source that is fine enough for all pictures.
     first: Option<FrameRequest>,
-    // Pictures that are finished.
+    // Number of finished pictures.
     done: u32,
 }
 
@@ -64,7 +64,7 @@ impl ViewerWindow {
         }
     }
 
-    /// Has the next picture drawn.
+    /// Requests the next picture.
     fn record_next(&mut self) {
         let Some(recording) = &self.recording else { return };
         let Some(first) = &recording.first else { return };
@@ -77,7 +77,7 @@ impl ViewerWindow {
         self.window.request_redraw();
     }
 
-    /// Goes on with the next picture, now that one is saved.
+    /// Requests the next picture after one is saved.
     pub(super) fn recorded(&mut self) {
         let Some(recording) = &mut self.recording else { return };
         recording.done += 1;
@@ -90,11 +90,11 @@ impl ViewerWindow {
         }
     }
 
-    /// Ends a recording. What is finished stays.
+    /// Ends a recording and keeps the finished pictures.
     pub(super) fn stop_recording(&mut self) {
         self.model.recording = None;
         let Some(Recording { sequence, file, done, .. }) = self.recording.take() else { return };
-        // The source may be finer than what is seen asks for.
+        // The source may be finer than the present view needs.
         self.requested.seen = None;
         let folder = file.parent().unwrap_or(&file);
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());

@@ -3,7 +3,7 @@
 use super::{PendingSave, PreparationRequest, ViewerWindow};
 use crate::error::{Error, Result};
 use crate::picture_file::{self, Notes, PictureFormat};
-use crate::render::picture::Picture;
+use crate::render::renderer::Picture;
 use crate::viewer::controls::in_controls;
 use crate::viewer::error_probe::{ErrorProbe, ProbeTask};
 use crate::viewer::event::{Event, OpenedScene};
@@ -21,7 +21,7 @@ impl ViewerWindow {
     /// Handles an event of a background thread.
     ///
     /// # Errors
-    /// When the device is lost.
+    /// Fails if the device is lost.
     pub fn handle(&mut self, event: Event) -> Result<()> {
         match event {
             Event::Worker(WorkerReply::Failed(_, _, e)) if self.device.is_lost() => return Err(e),
@@ -76,7 +76,8 @@ impl ViewerWindow {
         }
     }
 
-    /// Handles the failure of request `number` for `role`. The user's own settings return to those of the picture.
+    /// Handles the failure of request `number` for `role`. The user's settings return to those of the displayed
+    /// picture.
     pub(super) fn refuse(&mut self, role: Role, number: u64, error: &Error) {
         let newest = self.requested.preparations[role as usize].as_ref().map(|r| r.number);
         if newest != Some(number) {
@@ -106,7 +107,7 @@ impl ViewerWindow {
         }
     }
 
-    /// Shows a scene that was opened, or what it failed of.
+    /// Shows an opened scene, or its error.
     fn show_scene(&mut self, opened: OpenedScene) {
         match opened.loaded {
             Ok(loaded) => {
@@ -127,7 +128,7 @@ impl ViewerWindow {
         self.set_title();
     }
 
-    /// Shows the first colours of the user's own setting, unless that is ready.
+    /// Shows the first colours of the main setting, unless that is ready.
     fn preview(&mut self, prepared: Arc<Prepared>) {
         let model = &mut self.model;
         let is_ready = model.sources.own.as_ref().is_some_and(|own| own.number > prepared.number);
@@ -139,7 +140,7 @@ impl ViewerWindow {
         }
     }
 
-    /// Shows the user's own setting, now that it is ready.
+    /// Shows the main setting, now that it is ready.
     fn apply(&mut self, prepared: Arc<Prepared>) {
         let model = &mut self.model;
         if let Some(request) = &self.requested.preparations[Role::Own as usize] {
@@ -159,7 +160,7 @@ impl ViewerWindow {
         self.set_title();
     }
 
-    /// Draws from the source for what is seen now, unless that is the present one.
+    /// Replaces the main source by the one for the present view, unless both share their data.
     fn take_as_seen(&mut self, prepared: Arc<Prepared>) {
         self.requested.preparations[Role::AsSeen as usize] = None;
         let own = self.model.sources.own.as_mut();
@@ -174,7 +175,7 @@ impl ViewerWindow {
         self.begin_recording();
     }
 
-    /// Forgets what moving pictures of a former setting are drawn from.
+    /// Drops the data of moving pictures of a former setting.
     fn drop_lighter(&mut self) {
         let sources = &mut self.model.sources;
         (sources.coarse, sources.fewer_wavelengths) = (None, None);
@@ -190,7 +191,7 @@ impl ViewerWindow {
                 self.model.drawing = Some((what, part)).filter(|_| !self.model.pacing.moving);
             }
             RenderReply::TooSlow(quality, milliseconds) => {
-                // It would have taken longer; twice is a guess that is corrected by the next frame.
+                // The full time is unknown; twice the elapsed time is a guess that the next frame corrects.
                 self.model.pacing.quality.record(quality, 2.0 * milliseconds, true);
             }
             RenderReply::NoRoom(detail) => self.model.sources.forget(detail),
@@ -210,8 +211,8 @@ impl ViewerWindow {
         if let Some(stops) = frame.exposure {
             self.model.expose(stops);
         }
-        // A change of the display alone takes no time on the device and says nothing about frame times.
-        // Neither does what stands in for the user's own setting.
+        // A change of the display alone takes no time on the device and gives no information about frame times. Neither
+        // do previews.
         let own = self.model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);
         if frame.gpu_ms > 0.0 && own {
             self.model.pacing.history.push(frame.wall_ms, frame.pace);
@@ -222,7 +223,7 @@ impl ViewerWindow {
             frame.cost = frame.cost.or(former.cost);
             frame.inset = frame.inset.or(former.inset);
         }
-        // Where it was drawn anew, it shows something else at the pixel that is inspected.
+        // A newly drawn frame shows another value at the inspected pixel.
         if frame.gpu_ms > 0.0 {
             self.requested.pixel = None;
         }
@@ -233,7 +234,7 @@ impl ViewerWindow {
         }
     }
 
-    /// Shows the inspected pixel, and asks the reference about it.
+    /// Shows the inspected pixel, and requests the reference for it.
     fn show_pixel(&mut self, reading: Option<Reading>) -> Result<()> {
         if !self.model.inspector.open {
             return Ok(());
@@ -266,7 +267,7 @@ impl ViewerWindow {
         Ok(())
     }
 
-    /// Saves what is drawn for the oldest file that waits, with how far scalar theory holds for it.
+    /// Saves the picture for the oldest waiting file, with the errors of scalar theory for it.
     fn save(&mut self, drawn: Result<(Box<Picture>, String)>) {
         if self.saves.is_empty() {
             return;

@@ -33,24 +33,24 @@ impl ViewerWindow {
         if ready && !self.model.pacing.moving {
             self.request_as_seen(&own);
         }
-        // No spectra are as fast as a colour table, which reduces its resolution instead.
+        // For a colour table no lighter spectra exist; moving pictures reduce their resolution instead.
         if self.model.pacing.quality.is_slow() && ready && own.method(&own.optics) == Method::Spectral {
             let optics = compare::coarse(&own.optics);
             self.request_preparation(Role::Coarse, &ViewSettings { optics, ..own.clone() });
-            // Through repeats the wavelengths are those of the grating's orders: none can be left out.
+            // The wavelengths of repeats are those of the grating's orders: none can be omitted.
             if !own.repeats() && compare::looser_colours(&own.optics).is_some() {
                 self.request_preparation(Role::FewerWavelengths, &own);
             }
         }
     }
 
-    /// Whether what the user has set last is ready to be drawn.
+    /// Returns true if the user's last settings are ready to be drawn.
     fn is_own_ready(&self) -> bool {
         let requested = self.requested.preparations[Role::Own as usize].as_ref();
         self.model.sources.own.as_ref().map(|own| own.number) == requested.map(|request| request.number)
     }
 
-    /// Whether the user's own picture is drawn from the source that a picture of what is seen now is drawn from.
+    /// Returns true if the main picture is drawn from the source for the present view.
     pub(super) fn is_settled(&self) -> bool {
         let of_mean = self.model.settings.windows(&self.model.settings.optics) == Windows::All;
         let seen = Seen { view: self.view(), size: self.model.size };
@@ -58,7 +58,8 @@ impl ViewerWindow {
         !of_mean || is_requested && self.requested.preparations[Role::AsSeen as usize].is_none()
     }
 
-    /// Requests the source of `own` for what is seen now, where camera or lights have moved since the last request: from near, pixels ask for a finer one.
+    /// Requests the source of `own` for the present view if camera or lights have moved since the last request: a close
+    /// view needs a finer source.
     fn request_as_seen(&mut self, own: &ViewSettings) {
         let seen = Seen { view: self.view(), size: self.model.size };
         if own.windows(&own.optics) != Windows::All || self.requested.seen.as_ref() == Some(&seen) {
@@ -67,7 +68,7 @@ impl ViewerWindow {
         self.request_for_views(own, vec![seen.view]);
     }
 
-    /// Requests the source of `own` that is fine enough for `views`.
+    /// Requests a source of `own` that is fine enough for `views`.
     pub(super) fn request_for_views(&mut self, own: &ViewSettings, views: Vec<View>) {
         let Some(ready) = self.model.sources.own.clone() else { return };
         let Some(picture) = self.requested_picture(&own.lights) else { return };
@@ -85,7 +86,7 @@ impl ViewerWindow {
         });
     }
 
-    /// Requests the first colours of `own`, if that is not requested yet.
+    /// Requests the first colours of `own`, unless they are requested already.
     fn request_preview(&mut self, own: &ViewSettings) {
         if self.is_requested(Role::Own, own) {
             return;
@@ -96,7 +97,7 @@ impl ViewerWindow {
         }
     }
 
-    /// Whether the last request for `role` asked for `settings`.
+    /// Returns true if the last request for `role` was for `settings`.
     fn is_requested(&self, role: Role, settings: &ViewSettings) -> bool {
         self.requested.preparations[role as usize].as_ref().is_some_and(|last| {
             let with_its_scene = ViewSettings { scene: last.settings.scene.clone(), ..settings.clone() };
@@ -104,7 +105,7 @@ impl ViewerWindow {
         })
     }
 
-    /// Requests `settings` for `role`, unless the last request for it asked for the same.
+    /// Requests `settings` for `role`, unless the last request for it was the same.
     fn request_preparation(&mut self, role: Role, settings: &ViewSettings) {
         if self.is_requested(role, settings) {
             return;
@@ -138,7 +139,7 @@ impl ViewerWindow {
             }
             Err(e) => self.refuse(role, number, &e),
         }
-        // What was prepared for the former request shows another setting.
+        // Data prepared for the former request shows another setting.
         match role {
             Role::Other => self.model.comparison.prepared = None,
             Role::Coarse => self.model.sources.coarse = None,
@@ -148,7 +149,7 @@ impl ViewerWindow {
         }
     }
 
-    /// The picture as it should look now under `lights`.
+    /// Returns the present picture under `lights`.
     fn requested_picture(&self, lights: &[Light]) -> Option<RequestedPicture> {
         let model = &self.model;
         (!model.size.contains(&0)).then(|| RequestedPicture {
@@ -163,19 +164,19 @@ impl ViewerWindow {
         self.view_under(&self.model.shown().lights)
     }
 
-    /// What is seen now, under `lights`.
+    /// Returns the present view under `lights`.
     fn view_under(&self, lights: &[Light]) -> View {
         let (shown, scene) = (self.model.shown(), &self.model.loaded.scene);
         View {
             environment: scene.environment.as_ref().map(|e| e.placed(shown.surroundings)),
             camera: shown.shown_camera(scene),
             base_color: shown.base_color,
-            pigment: scene.pigment.is_some(),
+            pigment: scene.main_object().pigment.is_some(),
             ..View::under(scene, lights, &shown.coherence)
         }
     }
 
-    /// The whole frame as it should look now; `None` before anything is ready to be drawn.
+    /// Returns the request for the present frame at full quality; `None` before anything is ready to be drawn.
     pub(super) fn whole_frame(&self) -> Option<FrameRequest> {
         let model = &self.model;
         let (own, stage) = model.sources.shown().filter(|_| !model.size.contains(&0))?;
@@ -200,12 +201,12 @@ impl ViewerWindow {
         })
     }
 
-    /// The whole frame of the user's own settings, once they are what is shown.
+    /// Returns that request once the user's settings are displayed.
     pub(super) fn own_frame(&self) -> Option<FrameRequest> {
         self.whole_frame().filter(|_| self.model.sources.stage() == Stage::Own)
     }
 
-    /// Has the height field analysed that the surface pane shows.
+    /// Requests the analysis of the surface pane's height field.
     pub(super) fn analyse(&mut self) {
         let Some(field) = self.model.surface_pane.missing().cloned() else { return };
         if self.requested.analysis.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, &field)) {
@@ -215,7 +216,7 @@ impl ViewerWindow {
         self.aside("analysis", move || Event::Analysis(Analysis::of(&field).map(Arc::new)));
     }
 
-    /// Requests the pixel that is inspected, once the whole frame is shown.
+    /// Requests the inspected pixel, once the frame of full quality is shown.
     pub(super) fn inspect(&mut self) {
         let model = &self.model;
         if !model.inspector.open {

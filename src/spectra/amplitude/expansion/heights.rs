@@ -1,16 +1,16 @@
-//! The heights that a surface really has, and the light that they scatter.
+//! Distribution of a surface's heights, and the light that they scatter.
 
 use super::HeightScale;
 use crate::surface::HeightField;
 use rustfft::num_complex::Complex64;
 
-/// Bins of the histogram: the phase in a bin changes by less than a hundredth for every surface that taylor can do, and
-/// the functions themselves are smooth in it.
+/// Bins of the histogram: the phase in a bin changes by less than a hundredth for every surface that the Taylor expansion can represent,
+/// and the functions themselves are smooth in it.
 const BINS: usize = 512;
-/// Part of the weight that every height gets, seen or not: keeps functions tame where the histogram is empty.
+/// Part of the weight that every height gets, whether it occurs or not: keeps functions bounded in empty parts of the histogram.
 const UNSEEN: f64 = 1e-3;
 
-/// The histogram of the heights of a surface.
+/// Histogram of the heights of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightHistogram {
     /// a: half of the range \[µm\].
@@ -20,7 +20,7 @@ pub struct HeightHistogram {
 }
 
 impl HeightHistogram {
-    /// The histogram of `field`.
+    /// Counts the heights of `field`.
     pub fn of(field: &HeightField) -> Self {
         let scale = HeightScale::of(field);
         let mut counts = [0.0f64; BINS];
@@ -38,7 +38,7 @@ impl HeightHistogram {
         Self { half_range: scale.half_range, bins }
     }
 
-    /// The part of the light that a mirror's direction does not get at `z` \[rad/µm\].
+    /// Returns the part of the light outside the specular direction at `z` \[rad/µm\].
     pub fn scattered(&self, z: f64) -> f64 {
         /// A flat surface scatters nothing; then every z counts alike.
         const LEAST: f64 = 1e-12;
@@ -47,10 +47,10 @@ impl HeightHistogram {
         (1.0 - mean.norm_sqr()).max(LEAST)
     }
 
-    /// Points of z from `from` to `to`: as many as e^{izh} has degrees of freedom there, and several times over. They stand
-    /// closer toward the ends, as Chebyshev's do, because functions that are best in the mean err most there.
+    /// Returns points of z from `from` to `to`: several times the degrees of freedom of e^{izh} there. They are denser toward the ends,
+    /// like Chebyshev nodes, because functions that are best in the mean err most there.
     pub fn points(&self, [from, to]: [f64; 2]) -> Vec<f64> {
-        /// Enough for heights of 12 µm in visible light; no expansion that layers can hold follows higher ones.
+        /// Largest number of points: sufficient for heights of 12 µm in visible light; no expansion in layers follows higher ones.
         const MOST: usize = 1024;
         let points = (24 + (2.5 * (to - from) * self.half_range) as usize).min(MOST);
         let angle = |q: usize| (q as f64 + 0.5) / points as f64 * std::f64::consts::PI;

@@ -1,17 +1,17 @@
-//! The optimal expansion: singular functions of e^{izh} on the z that a scene can ask for and the heights that the surface
-//! really has, so that as few terms as there can be carry it.
+//! The optimal expansion: singular functions of e^{izh} on the range of z of a scene and the heights that occur in the surface, with the
+//! fewest possible terms.
 //!
-//! The kernel is sampled at quadrature points of z and bins of the heights' histogram, and decomposed. Rows are weighted
-//! by 1/√(1 − |⟨e^{izh}⟩|²), the part of the light that is scattered at z: errors count relative to what is seen beside the
-//! mirror peak. A right singular vector continues to every height by the left one (Nyström):
-//! b_n(t) = Σ_q u*_qn r_q e^{i z_q a t}/s_n. The functions are complex: a range of z on one side of 0 has half the width of
-//! the ±z that real functions serve, and takes that many terms fewer.
+//! The kernel is sampled at quadrature points of z and bins of the heights' histogram, and decomposed. Rows are weighted by 1/√(1 −
+//! |⟨e^{izh}⟩|²), where 1 − |⟨e^{izh}⟩|² is the part of the light that is scattered at z: errors are relative to the light beside the
+//! specular peak. A right singular vector continues to every height by the left one (Nyström): b_n(t) = Σ_q u*_qn r_q e^{i z_q a t}/s_n.
+//! The functions are complex: a range of z on one side of 0 has half the width of the ±z that real functions serve, and needs
+//! correspondingly fewer terms.
 //!
-//! Toward z = 0 less and less is scattered, and the BRDF divides by w²: whatever is left there of a height would be lifted
-//! without end. Where the range begins at 0, the first function is therefore the constant, its coefficient the mean
-//! m(z) = ⟨e^{izh}⟩, and what is decomposed is the rest: (e^{izh} − m)/√(1 − |m|²), which has a limit, (h − ⟨h⟩)/√⟨(h − ⟨h⟩)²⟩.
-//! All other coefficients are 0 at z = 0, and errors keep their proportion to what is scattered down to there. It takes no
-//! term more, since with the weights above the constant would come first by itself.
+//! Toward z = 0 less and less light is scattered, and the BRDF divides by w²: any error there would be amplified without limit. If the
+//! range begins at 0, the first function is therefore the constant, its coefficient the mean m(z) = ⟨e^{izh}⟩, and the decomposition is of
+//! the remainder (e^{izh} − m)/√(1 − |m|²), which has a limit, (h − ⟨h⟩)/√⟨(h − ⟨h⟩)²⟩. All other coefficients are 0 at z = 0, and errors
+//! stay proportional to the scattered light down to there. This takes no additional term, because with the weights above the constant would
+//! come first by itself.
 
 use super::Expansion;
 use super::heights::HeightHistogram;
@@ -21,12 +21,12 @@ use rustfft::num_complex::Complex64;
 
 /// Entries of the tables of b_n, linear between them: an error of (2/16384)²/8 · X² of the function.
 const TABLE: usize = 16_384;
-/// Most terms kept; singular values beyond are below rounding for any surface that fits the z range.
+/// Largest number of terms; singular values beyond are below rounding for any surface that fits the z range.
 const MAX_TERMS: usize = 96;
-/// Singular values below this part of the largest that there can be are noise of the decomposition.
+/// Singular values relative to the largest possible one below which they are noise of the decomposition.
 const NOISE: f64 = 1e-11;
 
-/// The optimal expansion of one surface over a range of z.
+/// Optimal expansion of one surface over a range of z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimal {
     z_range: [f64; 2],
@@ -43,7 +43,7 @@ impl Optimal {
         Self::over(&HeightHistogram::of(field), z_range)
     }
 
-    /// The same over heights that are counted already.
+    /// Decomposes e^{izh} over heights that are counted already.
     pub fn over(heights: &HeightHistogram, z_range: [f64; 2]) -> Self {
         let bins = &heights.bins;
         let rows: Vec<PhaseRow> =
@@ -51,7 +51,7 @@ impl Optimal {
         let column =
             |&(t, weight): &(f64, f64)| rows.iter().map(|row| row.value(t) * weight.sqrt()).collect();
         let decomposed = Svd::of(bins.iter().map(column).collect());
-        // Where the mean is left out of it, rows of a surface that is all but flat are 0 or noise: each is 1 long at most.
+        // Without the mean, rows of a nearly flat surface are 0 or noise. Each row has a length of at most 1.
         let largest = decomposed.s.first().copied().unwrap_or(0.0);
         let noise = NOISE * largest.max((rows.len() as f64).sqrt());
         let kept = decomposed.s.iter().take_while(|s| **s > noise).count().min(MAX_TERMS);
@@ -74,12 +74,12 @@ impl Optimal {
     }
 }
 
-/// Whether the constant is a function of its own.
+/// Returns true if the constant is a separate function.
 fn begins_at_zero(z_range: [f64; 2]) -> bool {
     z_range[0] == 0.0
 }
 
-/// e^{izh} at one z over the heights, less its mean where the range of z begins at 0, relative to what is scattered.
+/// Row e^{izh} at one z over the heights, less its mean if the range of z begins at 0, relative to the scattered light.
 struct PhaseRow {
     x: f64,
     less: Complex64,
@@ -103,18 +103,18 @@ impl PhaseRow {
     }
 }
 
-/// e^{ix} − 1 with every digit, however small x is.
+/// Returns e^{ix} − 1 with full precision for small x.
 fn beyond_one(x: f64) -> Complex64 {
     let (sin, cos) = (x / 2.0).sin_cos();
     Complex64::new(-2.0 * sin * sin, 2.0 * sin * cos)
 }
 
-/// ⟨e^{ixt}⟩ − 1 over the heights.
+/// Returns ⟨e^{ixt}⟩ − 1 over the heights.
 fn mean_beyond_one(heights: &HeightHistogram, x: f64) -> Complex64 {
     heights.bins.iter().map(|&(t, w)| beyond_one(x * t) * w).sum()
 }
 
-/// Linear between the entries of a table over t ∈ \[−1, 1\].
+/// Interpolates linearly between the entries of a table over t ∈ \[−1, 1\].
 fn look_up(table: &[Complex64], t: f64) -> Complex64 {
     let place = (t + 1.0) / 2.0 * TABLE as f64;
     let left = (place as usize).min(TABLE - 1);
@@ -127,12 +127,12 @@ impl Expansion for Optimal {
         self.tables.get(n).map_or(Complex64::ZERO, |table| look_up(table, t))
     }
 
-    /// The projection of e^{izh} on b_n under the heights' weights.
+    /// Projects e^{izh} on b_n under the heights' weights.
     fn coefficients(&self, z: f64, out: &mut [Complex64]) {
         out.fill(Complex64::ZERO);
         let x = z * self.heights.half_range;
         let first = usize::from(begins_at_zero(self.z_range)).min(out.len());
-        // The other functions are orthogonal to the constant; without it nothing is left of them at z = 0, rounding included.
+        // The other functions are orthogonal to the constant; without it their coefficients are 0 at z = 0, rounding included.
         let mean = mean_beyond_one(&self.heights, x);
         let less = if first == 1 { mean } else { -Complex64::ONE };
         for (bin, &(t, weight)) in self.heights.bins.iter().enumerate() {
@@ -150,11 +150,11 @@ impl Expansion for Optimal {
         self.tables.len()
     }
 
-    /// The sup error on a grid of heights and of z: measured, not proven.
+    /// Measures the sup error on a grid of heights and of z: not a proven bound.
     fn truncation_bound(&self, z: f64, terms: usize) -> f64 {
-        /// Samples a radian of the phase zh, so that what lies between them is larger by half a per cent at the most.
+        /// Samples a radian of the phase zh: the error between them is larger by half a per cent at most.
         const A_RADIAN: f64 = 5.0;
-        /// Samples at the least, of z and of the heights: flat surfaces have hardly any phase.
+        /// Fewest samples of z and of the heights: flat surfaces have hardly any phase.
         const FEWEST: [usize; 2] = [32, 256];
         let [from, to] = self.z_range;
         let to = z.clamp(from, to);
@@ -182,7 +182,7 @@ impl Expansion for Optimal {
 mod tests {
     use super::*;
 
-    /// Heights spread evenly over `range` \[µm\].
+    /// Returns heights spread evenly over `range` \[µm\].
     fn even(range: f64) -> HeightField {
         let heights = (0..4096).map(|i| range * f64::from(i) / 4095.0).collect();
         HeightField::new(64, 64, [0.1, 0.1], heights).unwrap()

@@ -4,13 +4,13 @@ use super::Expansion;
 use crate::error::{Error, Remedy, Result};
 use rustfft::num_complex::Complex64;
 
-/// Unit roundoff of f32, in which the layers are stored and summed.
+/// Unit roundoff of f32, the type of the stored layers and of their sums.
 pub const F32_ROUNDOFF: f64 = 5.960_464_477_539_063e-8;
 
-/// Most terms that are ever considered: beyond it the rounding of f32 has long won.
+/// Largest number of terms: beyond it rounding of f32 dominates by far.
 pub const MAX_TERMS: usize = 64;
 
-/// The Taylor expansion over heights of half range `half_range` \[µm\].
+/// Taylor expansion over heights of half range `half_range` \[µm\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taylor {
     /// a, half the range of heights \[µm\].
@@ -44,34 +44,33 @@ impl Expansion for Taylor {
     }
 }
 
-/// |x|^{N+1}/(N+1)!, factor by factor so that neither power nor factorial overflows on its own.
+/// Returns |x|^{N+1}/(N+1)!, factor by factor so that neither the power nor the factorial overflows separately.
 fn first_dropped_term(x: f64, order: usize) -> f64 {
     (1..=order + 1).fold(1.0, |term, n| term * x.abs() / n as f64)
 }
 
-/// The bound of \[Single 2014\] C.4 on |e^{ix} − Σ_{n≤N} (ix)ⁿ/n!|: e^{|x|} |x|^{N+1}/(N+1)!. Its factor M = e^X belongs to
-/// the real exponential.
+/// Returns the bound of \[Single 2014\] C.4 on |e^{ix} − Σ_{n≤N} (ix)ⁿ/n!|: e^{|x|} |x|^{N+1}/(N+1)!. Its factor M = e^X belongs to the
+/// real exponential.
 pub fn thesis_bound(x: f64, order: usize) -> f64 {
     x.abs().exp() * first_dropped_term(x, order)
 }
 
-/// The tight bound on the same error: |x|^{N+1}/(N+1)!, because every derivative of e^{ix} has modulus 1 (Lagrange's
-/// remainder).
+/// Returns the tight bound on the same error: |x|^{N+1}/(N+1)!, because every derivative of e^{ix} has modulus 1 (Lagrange's remainder).
 pub fn tight_bound(x: f64, order: usize) -> f64 {
     first_dropped_term(x, order)
 }
 
-/// What rounding to unit roundoff `roundoff` costs, relative to the mirror peak: the terms add up to e^{|x|} before they
+/// Returns the error of rounding to unit roundoff `roundoff`, relative to the specular peak: the terms add up to e^{|x|} before they
 /// cancel.
 pub fn rounding_bound(x: f64, roundoff: f64) -> f64 {
     roundoff * x.abs().exp()
 }
 
-/// The smallest number of terms for which truncation and rounding together stay within `tolerance`, for arguments up to
-/// `x` = z_max·a and a storage of unit roundoff `roundoff`.
+/// Returns the smallest number of terms for which truncation and rounding together stay within `tolerance`, for arguments up to `x` =
+/// z_max·a and a storage of unit roundoff `roundoff`.
 ///
 /// # Errors
-/// Where rounding alone exceeds the tolerance, so that no number of terms will do.
+/// Rounding that exceeds the tolerance for any number of terms.
 pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
     let rounding = rounding_bound(x, roundoff);
     if rounding > tolerance {

@@ -3,13 +3,13 @@
 use super::super::bytes::{cut_short, damaged, decode_text};
 use crate::error::Result;
 
-/// The longest header that is looked for \[bytes\]; real ones are 8 to 100 kB.
+/// Longest header \[bytes\]; real ones are 8 to 100 kB.
 const LONGEST: usize = 4 << 20;
 
 /// Names of sections that describe an image, in lower case.
 const IMAGES: [&str; 4] = ["ciao image list", "afm image list", "stm image list", "ncafm image list"];
 
-/// A part of the header: its lines by their keys, in lower case.
+/// Section of the header: its lines by their keys, in lower case.
 pub struct Section {
     name: String,
     lines: Vec<(String, String)>,
@@ -24,7 +24,7 @@ pub struct NanoscopeHeader {
 }
 
 impl NanoscopeHeader {
-    /// The header at the start of `bytes`.
+    /// Parses the header at the start of `bytes`.
     ///
     /// # Errors
     /// The header does not end.
@@ -57,14 +57,14 @@ impl NanoscopeHeader {
         Ok(Self { version, sections })
     }
 
-    /// The value of `key` (in any case) in the first section that has it and is no image.
+    /// Returns the value of `key` (in any case) in the first section that has it and is no image.
     pub fn lookup(&self, key: &str) -> Option<&str> {
         let key = key.to_lowercase();
         self.sections.iter().filter(|s| !s.is_image()).find_map(|s| s.text(&key))
     }
 }
 
-/// Key and value of a line. Keys of parameters may begin with `@2:`, whose colon ends no key.
+/// Splits a line into key and value. Keys of parameters may begin with `@2:`, whose colon ends no key.
 fn split(line: &str) -> (&str, &str) {
     let parameter = line.strip_prefix('@').is_some_and(|rest| {
         let mut start = rest.chars();
@@ -78,17 +78,17 @@ fn split(line: &str) -> (&str, &str) {
 }
 
 impl Section {
-    /// Whether it describes an image.
+    /// Returns true if the section describes an image.
     pub fn is_image(&self) -> bool {
         IMAGES.contains(&self.name.as_str())
     }
 
-    /// The value of `key`, in lower case; the last one where a key stands twice.
+    /// Returns the value of `key`, in lower case; the last value of a key that stands twice.
     pub fn text(&self, key: &str) -> Option<&str> {
         self.lines.iter().rev().find(|(k, _)| k == key).map(|(_, value)| value.as_str())
     }
 
-    /// The value of `@2:key`, or of the lowest other number that there is.
+    /// Returns the value of `@2:key`, or of the lowest other number that there is.
     pub fn numbered(&self, key: &str) -> Option<&str> {
         let number = |k: &str| {
             let (number, name) = k.strip_prefix('@')?.split_once(':')?;
@@ -100,7 +100,7 @@ impl Section {
         found.min_by_key(|(n, _)| order(*n)).map(|(_, value)| value.as_str())
     }
 
-    /// The whole number of `key`.
+    /// Returns the whole number of `key`.
     ///
     /// # Errors
     /// It is missing or none.
@@ -110,7 +110,7 @@ impl Section {
         word.parse().map_err(|_| damaged(format!("`{key}: {text}` is no count")))
     }
 
-    /// The image's name, as the instrument's software shows it.
+    /// Returns the image's name, as in the instrument's software.
     pub fn name(&self) -> String {
         let text = self.numbered("image data").or_else(|| self.text("image data")).unwrap_or("image");
         let quoted = text.split('"').nth(1);
@@ -123,9 +123,9 @@ impl Section {
 pub struct ParameterValue {
     /// The number behind the parentheses.
     pub number: f64,
-    /// Its unit; empty where it has none.
+    /// Unit; empty for none.
     pub unit: String,
-    /// What stands in brackets: the name of another parameter.
+    /// Name of another parameter, in brackets.
     pub soft_scale: Option<String>,
 }
 
@@ -146,7 +146,7 @@ impl ParameterValue {
         Some(Self { number, unit, soft_scale })
     }
 
-    /// Reads `1500 nm (16384)`, as old files have it.
+    /// Reads the form of old files, `1500 nm (16384)`.
     pub fn parse_plain(text: &str) -> Option<Self> {
         let text = text.split('(').next().unwrap_or(text);
         let (number, unit) = number_and_unit(text.trim())?;
@@ -154,7 +154,7 @@ impl ParameterValue {
     }
 }
 
-/// Where the parenthesis that `text` begins with is closed.
+/// Returns the position of the closing parenthesis of the one that `text` begins with.
 fn closing(text: &str) -> Option<usize> {
     let mut depth = 0;
     text.char_indices().find_map(|(i, c)| {

@@ -1,4 +1,4 @@
-//! The surroundings as the background of a picture. Its shaders are `around.vert` and `around.frag`.
+//! The surroundings as the background of a picture. Its shaders are `background.vert` and `background.frag`.
 
 use super::frame::{DisplayBlock, Shown, covered};
 use super::frame_set::FrameSet;
@@ -15,33 +15,33 @@ use crate::vk::sampler::Sampler;
 use ash::vk;
 use std::sync::Arc;
 
-/// Displays the surroundings behind what the mesh covers.
-pub struct AroundPass {
+/// Displays the surroundings behind the objects.
+pub struct BackgroundPass {
     sample: Pipeline,
     mean: Pipeline,
     sum: Descriptors,
     sampler: Sampler,
 }
 
-impl AroundPass {
-    /// A pass over pictures that `frame` describes, with a depth of `depth_format`.
+impl BackgroundPass {
+    /// Makes a pass over pictures that `frame` describes, with a depth buffer of `depth_format`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, frame: &FrameSet, depth_format: vk::Format) -> Result<Self> {
         let sum = Descriptors::new(device, "set of surroundings", &[Binding::texture(0)])?;
         let pipeline = |mean: bool| {
-            // Where depth is what it was cleared to, nothing covers.
+            // Depth still has its clear value where no object covers the pixel.
             let compare = vk::CompareOp::EQUAL;
             let depth = (!mean).then_some(Depth { compare, ..covered(depth_format) });
             let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::DISPLAY], depth };
-            /// `constant_id` of `around.frag`.
+            /// `constant_id` of `background.frag`.
             const MEAN: u32 = 0;
             let constants = [Constant::new(MEAN, mean)];
-            let fragment = Some(shader!("around.frag").with(&constants));
+            let fragment = Some(shader!("background.frag").with(&constants));
             let sets = [&frame.descriptors, &sum];
             let push_bytes = size_of::<DisplayBlock>() as u32;
-            Pipeline::graphics(device, shader!("around.vert"), fragment, &drawing, &sets, push_bytes)
+            Pipeline::graphics(device, shader!("background.vert"), fragment, &drawing, &sets, push_bytes)
         };
         Ok(Self {
             sample: pipeline(false)?,
@@ -51,13 +51,14 @@ impl AroundPass {
         })
     }
 
-    /// Points the pass at what stands before the surroundings: a sum of samples, or anything readable where there is none. The device must not be using the pass.
+    /// Points the pass at the foreground: a sum of samples, or any readable image if there is none. The device must not
+    /// be using the pass.
     pub fn read_from(&self, sum: &Image) {
         self.sum.image(0, sum, &self.sampler);
     }
 
-    /// Records the surroundings behind the one sample that is displayed in `into` (a colour attachment, which it stays), where `geometry` does not
-    /// cover.
+    /// Records the surroundings into the pixels of `into` (a colour attachment before and after) that `geometry` leaves
+    /// uncovered, behind the single sample displayed there.
     pub fn record(
         &self,
         record: &Recorder<'_>,
@@ -74,7 +75,7 @@ impl AroundPass {
         });
     }
 
-    /// Records the mean of `samples` samples before the surroundings into `into`, which it leaves a colour attachment.
+    /// Records the mean of `samples` samples over the surroundings into `into`, which becomes a colour attachment.
     pub fn record_mean(
         &self,
         record: &Recorder<'_>,

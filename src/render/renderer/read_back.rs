@@ -1,6 +1,6 @@
-//! Reads back what the geometry pass wrote: the directions that pixels see.
+//! Read-back of the geometry pass: the directions seen by pixels.
 
-use super::{Content, Painter, Written};
+use super::{Content, GeometryInput, Renderer};
 use crate::error::{Error, Result};
 use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
@@ -12,28 +12,30 @@ use crate::vk::commands::FAR;
 use crate::vk::image::Image;
 use glam::DVec3;
 
-/// Which pixels are read back.
+/// Pixels to read back.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum PictureArea {
-    /// All of them.
+    /// All pixels.
     All,
-    /// The one in this column and row.
+    /// Pixel in this column and row.
     Pixel([u32; 2]),
 }
 
-impl Painter {
-    /// The directions of light number `light` in one sample of `view` at the centres of pixels, as the shading has them.
+impl Renderer {
+    /// Returns the directions of light number `light` in one sample of `view` at the pixel centres, exactly as shading
+    /// reads them.
     ///
     /// # Errors
-    /// Where the device is lost, and where the pictures have no such light.
+    /// Fails if the device is lost, or if the view has no such light.
     pub fn directions(&mut self, view: &View, light: usize) -> Result<Directions> {
         self.directions_of(view, light, &Sampling::ONE.sample(0))
     }
 
-    /// The directions of light number `light` in a `sample` of `view` that draws all lights, as the shading has them.
+    /// Returns the directions of light number `light` in a `sample` of `view` that draws all lights, exactly as shading
+    /// reads them.
     ///
     /// # Errors
-    /// As [`Self::directions`].
+    /// Same as [`Self::directions`].
     pub fn directions_of(&mut self, view: &View, light: usize, sample: &Sample) -> Result<Directions> {
         if light >= view.light_count() {
             return Err(Error::failed(
@@ -44,20 +46,20 @@ impl Painter {
         self.directions_in(view, &LightPass::of_all(light, *sample))
     }
 
-    /// The directions of `pass` of `view`, as the shading has them.
+    /// Returns the directions of `pass` of `view`, exactly as shading reads them.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn directions_in(&mut self, view: &View, pass: &LightPass) -> Result<Directions> {
         self.draw_geometry(view, pass)?;
-        self.found(view, pass, PictureArea::All)
+        self.read_directions(view, pass, PictureArea::All)
     }
 
-    /// What pixel `at` of the frame of `view` that was drawn last shows, one sample at the centres of pixels; `None` where the mesh does not
-    /// cover it.
+    /// Returns the radiance and directions of the pixel `at` of the last frame drawn, one sample of `view` at the pixel
+    /// centres; `None` if no object covers it.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn pixel(&mut self, view: &View, at: [u32; 2]) -> Result<Option<Pixel>> {
         let part = PictureArea::Pixel(at);
         let size = self.target.size();
@@ -73,13 +75,13 @@ impl Painter {
         for light in 0..view.light_count() {
             let pass = LightPass::of_all(light, sample);
             self.draw_geometry(view, &pass)?;
-            directions.push(self.found(view, &pass, part)?);
+            directions.push(self.read_directions(view, &pass, part)?);
         }
         Ok(Some(Pixel { radiance, directions }))
     }
 
-    /// The directions in `part` of the frame of `pass` of `view` that was drawn last.
-    fn found(&self, view: &View, pass: &LightPass, part: PictureArea) -> Result<Directions> {
+    /// Returns the directions in `part` of the last frame drawn, a `pass` of `view`.
+    fn read_directions(&self, view: &View, pass: &LightPass, part: PictureArea) -> Result<Directions> {
         let stored = self.read(&self.geometry.directions, part)?;
         let covered = self.covered(part)?;
         let unit = |s: [f32; 2], covered: bool| if covered { unprojected(s) } else { [0.0; 4] };
@@ -115,7 +117,7 @@ impl Painter {
         })
     }
 
-    /// Number of the object that each pixel of `part` shows, from 0; empty where there is one object.
+    /// Returns the object number of each pixel of `part`, from 0; empty if there is one object.
     fn objects_seen(&self, part: PictureArea) -> Result<Vec<u8>> {
         if !self.geometry.settings.several {
             return Ok(Vec::new());
@@ -128,32 +130,32 @@ impl Painter {
         Ok(stencil.into_iter().map(|number| number.saturating_sub(1)).collect())
     }
 
-    /// Draws the geometry of a `pass` of `view` alone, unless it is there.
+    /// Draws the geometry of a `pass` of `view`, unless the images hold it already.
     fn draw_geometry(&mut self, view: &View, pass: &LightPass) -> Result<()> {
         self.write(view, self.target.size(), pass)?;
-        if self.found.is_some() && self.found == self.written {
+        if self.image_input.is_some() && self.image_input == self.block_input {
             return Ok(());
         }
-        // What is covered may be other pixels than those of the radiance that is there.
-        let of_same_pixels = |found: &Written| {
+        // The new geometry may cover other pixels than the existing radiance.
+        let of_same_pixels = |found: &GeometryInput| {
             found.view == *view
                 && found.size == self.target.size()
                 && found.pass.sample.jitter == pass.sample.jitter
         };
-        if self.shows == Content::Sample && !self.found.as_ref().is_some_and(of_same_pixels) {
+        if self.shows == Content::Sample && !self.image_input.as_ref().is_some_and(of_same_pixels) {
             self.shows = Content::Nothing;
         }
-        self.found = None;
+        self.image_input = None;
         let mirrored = self.mirrors(view, pass);
         self.commands.run(|record| {
-            self.find.record(record, &self.geometry, &self.objects, mirrored);
+            self.geometry_pass.record(record, &self.geometry, &self.objects, mirrored);
             Ok(())
         })?;
-        self.found = self.written.clone();
+        self.image_input = self.block_input.clone();
         Ok(())
     }
 
-    /// The texels of `part` of an image of four floats that shaders may read.
+    /// Reads the texels of `part` of an RGBA float image that shaders may read.
     pub(super) fn read(&self, image: &Image, part: PictureArea) -> Result<Vec<[f32; 4]>> {
         let bytes = self.read_bytes(image, Access::ShaderRead, part)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
@@ -166,7 +168,7 @@ impl Painter {
         }
     }
 
-    /// Depth of each pixel of what was found last; [`FAR`] where nothing is covered.
+    /// Returns the depth of each pixel of the last geometry pass; [`FAR`] at uncovered pixels.
     pub(in crate::render) fn depth(&self) -> Result<Vec<f32>> {
         self.depth_of(PictureArea::All)
     }
@@ -176,13 +178,13 @@ impl Painter {
         Ok(bytemuck::pod_collect_to_vec(&depth))
     }
 
-    /// Whether the mesh covers each pixel of `part`.
+    /// Returns for each pixel of `part` if an object covers it.
     pub(super) fn covered(&self, part: PictureArea) -> Result<Vec<bool>> {
         Ok(self.depth_of(part)?.into_iter().map(|depth| depth < FAR).collect())
     }
 }
 
-/// The unit vector at `s` of the stereographic projection from −N that directions are stored by; w is 1.
+/// Inverts the stereographic projection from −N that directions are stored in. Returns the unit vector at `s`; w is 1.
 fn unprojected(s: [f32; 2]) -> [f32; 4] {
     let k = 2.0 / (1.0 + s[0] * s[0] + s[1] * s[1]);
     [k * s[0], k * s[1], k - 1.0, 1.0]

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// One triangle that covers the target, as far away as depth is cleared to, and what is seen there.
+// Draws one triangle that covers the target at the clear depth, with the view directions.
 #include "frame.glsl"
 
-layout(location = 0) out vec3 toward; // from the viewer, in the world; of no length in particular
+layout(location = 0) out vec3 toward; // from the viewer, in world space; not normalised
 
 void main() {
     vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0;

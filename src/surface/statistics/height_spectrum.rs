@@ -25,7 +25,7 @@ pub struct SurfaceSpectrum {
     transform: Vec<Complex<f64>>,
 }
 
-/// The part of `field` whose spectrum stands for it: all, or the middle of a large field.
+/// Returns the part of `field` that is analysed: all, or the middle of a large field.
 pub fn analysed_part(field: &HeightField) -> std::borrow::Cow<'_, HeightField> {
     use std::borrow::Cow;
     let (columns, rows) = (field.columns().min(LONGEST_SIDE), field.rows().min(LONGEST_SIDE));
@@ -38,20 +38,20 @@ pub fn analysed_part(field: &HeightField) -> std::borrow::Cow<'_, HeightField> {
 }
 
 impl SurfaceSpectrum {
-    /// The spectrum of `field` less its plane under a Hann window along each axis, in units of the mean square height.
+    /// Returns the spectrum of `field` less its plane under a Hann window along each axis, in units of the mean square height.
     ///
     /// # Errors
-    /// Where the memory does not hold it, and for heights whose sums are not finite numbers.
+    /// Too little memory, heights whose sums are not finite numbers.
     pub fn windowed(field: &HeightField) -> Result<Self> {
         let level = field.levelled(Levelling::Plane)?;
         let [across, down] = [level.columns(), level.rows()].map(hann);
         Self::of(&level, |row, column| down[row] * across[column])
     }
 
-    /// The spectrum of `field` less its mean, as one period.
+    /// Returns the spectrum of `field` less its mean, taken as one period.
     ///
     /// # Errors
-    /// As [`SurfaceSpectrum::windowed`].
+    /// See [`SurfaceSpectrum::windowed`].
     pub fn of_one_period(field: &HeightField) -> Result<Self> {
         let level = field.levelled(Levelling::Mean)?;
         Self::of(&level, |_, _| 1.0)
@@ -72,24 +72,24 @@ impl SurfaceSpectrum {
         Ok(Self { samples, patch: field.patch_size(), transform: half_transform(samples, row)? })
     }
 
-    /// Frequencies along `x` that are kept.
+    /// Returns the number of frequencies along `x` that are kept.
     pub fn half(&self) -> usize {
         self.samples[0] / 2 + 1
     }
 
-    /// The frequency of place `j` among those along `y`, as whole periods over the patch; y grows up.
+    /// Returns the frequency of index `j` along `y` in periods over the patch; y grows up.
     fn cycles_up(&self, j: usize) -> f64 {
         let rows = self.samples[1];
         let signed = if 2 * j > rows { j as f64 - rows as f64 } else { j as f64 };
         -signed
     }
 
-    /// The frequency at `i` along `x` and `j` along `y` \[1/µm\].
+    /// Returns the frequency at `i` along `x` and `j` along `y` \[1/µm\].
     pub fn frequency(&self, i: usize, j: usize) -> [f64; 2] {
         [i as f64 / self.patch[0], self.cycles_up(j) / self.patch[1]]
     }
 
-    /// The complex value there; `i` beyond the half is read at the opposite frequency.
+    /// Returns the complex value at `i`, `j`; `i` beyond the half is read at the opposite frequency.
     pub fn value(&self, i: isize, j: isize) -> Complex<f64> {
         let [columns, rows] = self.samples.map(|n| n as isize);
         let (i, j) = (i.rem_euclid(columns), j.rem_euclid(rows));
@@ -97,12 +97,13 @@ impl SurfaceSpectrum {
         if i < self.half() as isize { at(i, j) } else { at(columns - i, (rows - j) % rows).conj() }
     }
 
-    /// Power at `i`, `j`, the same at the opposite frequency \[µm²\].
+    /// Returns the power at `i`, `j`, equal to that at the opposite frequency \[µm²\].
     pub fn power(&self, i: usize, j: usize) -> f64 {
         self.transform[i * self.samples[1] + j].norm_sqr()
     }
 
-    /// How often the frequencies with f_x number `i` stand for their opposite ones as well.
+    /// Returns the multiplicity of the frequencies with index `i` along x: 2 if they also stand for their opposite frequencies, otherwise
+    /// 1.
     fn weight(&self, i: usize) -> f64 {
         let own_opposite = i == 0 || 2 * i == self.samples[0];
         if own_opposite { 1.0 } else { 2.0 }
@@ -127,13 +128,13 @@ impl SurfaceSpectrum {
             .reduce(&zero, add)
     }
 
-    /// The larger share of a frequency's components of the largest ones that the samples hold.
+    /// Returns the larger of |f_x| and |f_y|, each relative to its Nyquist frequency.
     fn share_of_band(&self, i: usize, j: usize) -> f64 {
         let [columns, rows] = self.samples;
         (2.0 * i as f64 / columns as f64).max(2.0 * self.cycles_up(j).abs() / rows as f64)
     }
 
-    /// RMS height of white noise as strong as the spectrum in the outer band of the frequencies \[µm\].
+    /// Returns the RMS height of white noise as strong as the spectrum in the outer band of the frequencies \[µm\].
     ///
     /// From the median there, which single lines of a grating's spectrum do not move.
     pub fn noise(&self) -> f64 {
@@ -146,7 +147,7 @@ impl SurfaceSpectrum {
         (mean * (self.samples[0] * self.samples[1]) as f64).sqrt()
     }
 
-    /// Share of the power at frequencies that are hardly sampled; 0 where there is no power.
+    /// Returns the share of the power at undersampled frequencies; 0 if there is no power.
     pub fn undersampled_share(&self) -> f64 {
         let part = |sums: &mut [f64; 2], i: usize, j: usize, weight: f64| {
             let power = weight * self.power(i, j);
@@ -157,7 +158,8 @@ impl SurfaceSpectrum {
         if all > 0.0 { fine / all } else { 0.0 }
     }
 
-    /// The mean power of noise at frequencies whose |f| is about `frequency` \[1/µm\], in µm²: from the median, which peaks do not move.
+    /// Returns the mean power of noise at frequencies whose |f| is about `frequency` \[1/µm\], in µm²: from the median, which peaks do not
+    /// move.
     pub fn background(&self, frequency: f64) -> f64 {
         /// Half the width of the ring of frequencies, as a share of |f|.
         const WIDTH: f64 = 0.1;
@@ -171,8 +173,8 @@ impl SurfaceSpectrum {
         mean_of_noise(self.sum(Vec::new, near, joined))
     }
 
-    /// Power spectral density \[µm⁴\] averaged over rings of |f|: (frequency \[1/µm\], density). The rings are as wide as the coarser
-    /// spacing of the frequencies and end at the smaller of the two largest ones.
+    /// Returns the power spectral density \[µm⁴\] averaged over rings of |f|: (frequency \[1/µm\], density). The rings are as wide as the
+    /// coarser spacing of the frequencies and end at the smaller Nyquist frequency.
     pub fn radial(&self) -> Vec<[f64; 2]> {
         let [width, height] = self.patch;
         let ring = (1.0 / width).max(1.0 / height);
@@ -201,7 +203,7 @@ fn joined(mut a: Vec<f64>, mut b: Vec<f64>) -> Vec<f64> {
     a
 }
 
-/// The mean of exponentially distributed powers from their median, which is ln 2 of it; 0 where there are none.
+/// Returns the mean of exponentially distributed powers from their median, which is ln 2 of the mean; 0 for none.
 fn mean_of_noise(mut powers: Vec<f64>) -> f64 {
     if powers.is_empty() {
         return 0.0;
@@ -210,16 +212,16 @@ fn mean_of_noise(mut powers: Vec<f64>) -> f64 {
     *powers.select_nth_unstable_by(middle, f64::total_cmp).1 / LN_2
 }
 
-/// Half a period of a raised cosine over `n` samples, 0 at the outer edges of the first and the last.
+/// Returns half a period of a raised cosine over `n` samples, 0 at the outer edges of the first and the last.
 fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / n as f64).cos()).collect()
 }
 
-/// The discrete Fourier transform Σ h e^{−2πi(column·i/columns + row·j/rows)} of real heights for i ≤ columns/2, the j of one i side by side.
-/// `row` writes the heights of a row.
+/// Returns the discrete Fourier transform Σ h e^{−2πi(column·i/columns + row·j/rows)} of real heights for i ≤ columns/2; index j varies
+/// fastest. `row` writes the heights of a row.
 ///
 /// # Errors
-/// Where the memory does not hold it.
+/// Too little memory.
 pub(super) fn half_transform(
     [columns, rows]: [usize; 2],
     row: impl Fn(usize, &mut [f64]) + Sync,

@@ -1,4 +1,4 @@
-//! What the render thread draws with: a painter for each setting, and results that are kept between frames.
+//! Resources of the render thread: a renderer for each setting, and results that are kept between frames.
 
 use super::compare::{Compare, Side};
 use super::difference;
@@ -14,7 +14,7 @@ use crate::optics::validity::ScalarTheory;
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::object::objects;
-use crate::render::picture::Painter;
+use crate::render::renderer::Renderer;
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::render::target;
@@ -24,26 +24,26 @@ use crate::vk::image::Image;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A painter and what it was made for.
+/// Renderer and the data it was made for.
 struct Slot {
-    painter: Painter,
+    renderer: Renderer,
     prepared: Arc<Prepared>,
     loaded: Arc<LoadedScene>,
     displayed: Option<Displayed>,
 }
 
-/// What the display image of a painter shows.
+/// Contents of the displayed image of a renderer.
 #[derive(Clone, PartialEq)]
 struct Displayed {
     view: View,
     shown: Shown,
     size: [u32; 2],
-    // One, or those that it is a mean of.
+    // A single sample, or the samples of the mean.
     sampling: Sampling,
 }
 
 impl Slot {
-    /// Whether the textures of `prepared` and the scene of `request` are on the device already.
+    /// Returns true if the textures of `prepared` and the scene of `request` are on the device already.
     fn serves(&self, prepared: &Prepared, request: &FrameRequest) -> bool {
         Arc::ptr_eq(&self.loaded, &request.loaded)
             && self
@@ -53,23 +53,24 @@ impl Slot {
                 .all(|(own, other)| own.shares_data_with(other))
     }
 
-    /// Objects of the scene.
+    /// Returns the number of objects of the scene.
     fn objects(&self) -> usize {
         self.loaded.textures.len()
     }
 
-    /// Whether it shows `request`, one sample or a mean of some, so that samples can be added.
+    /// Returns true if it shows `request`, as one sample or as a mean, so that samples can be added.
     fn is_ready_for(&self, request: &FrameRequest) -> bool {
         self.prepared.number == request.own.number
             && self.displayed.as_ref().is_some_and(|shown| {
                 let FrameRequest { view, sampling, .. } = request;
-                // An exposure that was measured is not that of the request.
+                // The exposure is not compared: it may have been measured.
                 let Displayed { view: seen, size, sampling: of, .. } = shown;
                 (seen, *size) == (view, request.size) && [Sampling::ONE, *sampling].contains(of)
             })
     }
 
-    /// Adds samples to what it shows of `request`, and shows the mean; how many samples there are, or `None` where `go_on` said no.
+    /// Adds samples to the displayed `request` and shows the mean. Returns the number of samples, or `None` if `go_on`
+    /// returned false.
     fn add_samples(
         &mut self,
         request: &FrameRequest,
@@ -77,32 +78,33 @@ impl Slot {
     ) -> Result<Option<u32>> {
         let FrameRequest { view, sampling, size, .. } = request;
         let shown = self.displayed.as_ref().map_or(request.shown, |displayed| displayed.shown);
-        let added = self.painter.add_samples(view, sampling, shown, *size, go_on)?;
+        let added = self.renderer.add_samples(view, sampling, shown, *size, go_on)?;
         if added.is_some() {
             self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
         }
         Ok(added)
     }
 
-    /// Shades with `prepared` from now on. The textures on the device stay; what depends on other settings is rebuilt.
+    /// Shades with `prepared` from now on. The textures on the device stay; only the parts that depend on other
+    /// settings are rebuilt.
     fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
-            self.painter.shade_objects_by(prepared.of_objects(self.loaded.textures.len()))?;
+            self.renderer.shade_objects_by(prepared.of_objects(self.loaded.textures.len()))?;
             self.prepared = prepared.clone();
         }
         Ok(())
     }
 }
 
-/// Time that a frame took \[ms\]; zero when only its display changed.
+/// Time of a frame \[ms\]; 0 if only its display changed.
 #[derive(Clone, Copy, Default)]
 struct FrameTime {
     gpu: f64,
     wall: f64,
 }
 
-/// A [`PictureCost`] and the picture that it was counted for.
+/// [`PictureCost`] and the picture it was counted for.
 struct CountedPicture {
     number: u64,
     view: View,
@@ -110,26 +112,26 @@ struct CountedPicture {
     cost: PictureCost,
 }
 
-/// What the render thread keeps between frames.
-pub struct Renderer {
+/// State that the render thread keeps between frames.
+pub struct FrameRenderer {
     own: Option<Slot>,
     other: Option<Slot>,
-    // For moving pictures.
+    // Renderers of moving pictures.
     coarse: Option<Slot>,
     fewer_wavelengths: Option<Slot>,
-    // With the number of the setting that it was computed for.
+    // With the number of the setting it was computed for.
     inset: Option<(Arc<Inset>, u64)>,
     counted: Option<CountedPicture>,
     device: Arc<Device>,
 }
 
-/// Between two reports of how far a picture is drawn \[ms\].
+/// Time between two progress reports of a picture \[ms\].
 const BETWEEN_REPORTS: f64 = 250.0;
-/// A frame of a moving scene is abandoned after this time \[ms\] when there is a newer request.
+/// Time after which a frame of a moving scene is abandoned if there is a newer request \[ms\].
 const LONGEST_MOVING_FRAME: f64 = 400.0;
 
-impl Renderer {
-    /// A renderer without any painter.
+impl FrameRenderer {
+    /// Makes a renderer without renderers.
     pub fn new(device: Arc<Device>) -> Self {
         Self {
             own: None,
@@ -177,7 +179,7 @@ impl Renderer {
         }
     }
 
-    /// Draws `request`, and tells `reply` how far it is where that takes its time; `None` when a newer one replaced it.
+    /// Draws `request` and reports progress to `reply` if it takes long; `None` if a newer request replaced it.
     fn draw(
         &mut self,
         request: &FrameRequest,
@@ -221,7 +223,7 @@ impl Renderer {
             return Ok(request.moving.then(|| RenderReply::TooSlow(request.quality, milliseconds())));
         };
         let measured = if request.measured { expose(slot, request.shown, size)? } else { None };
-        let Some(left) = slot.as_ref().map(|s| s.painter.target().display.clone()) else { return Ok(None) };
+        let Some(left) = slot.as_ref().map(|s| s.renderer.target().display.clone()) else { return Ok(None) };
         let (mut right, mut difference) = (left.clone(), None);
         if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
             let mut other_goes_on = |part| go_on(Side::Other, part);
@@ -237,7 +239,7 @@ impl Renderer {
             self.other = None;
         }
         let inset = request.inset.map(|wanted| self.hemisphere(request, wanted)).transpose()?.flatten();
-        // A newer request counts its own picture; a job draws nothing that would be counted.
+        // A newer request counts its picture; a job needs no count.
         let whole = request.quality == Quality::WHOLE && !superseded();
         let cost = if whole { self.count(request)? } else { None };
         Ok(Some(RenderReply::Drawn(Box::new(RenderedFrame {
@@ -257,7 +259,7 @@ impl Renderer {
         }))))
     }
 
-    /// Adds samples to the frame of `request`; `None` where it is not shown any more, or gave way to something else.
+    /// Adds samples to the frame of `request`; `None` if it is no longer shown or was interrupted.
     fn refine(&mut self, request: FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
         let start = Instant::now();
         let Some(slot) = self.own.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
@@ -272,7 +274,7 @@ impl Renderer {
             queue.refine(request);
             return Ok(None);
         };
-        let display = slot.painter.target().display.clone();
+        let display = slot.renderer.target().display.clone();
         let frame = RenderedFrame {
             images: [display.clone(), display],
             sizes: [request.size; 2],
@@ -294,8 +296,8 @@ impl Renderer {
         Ok(Some(RenderReply::Drawn(Box::new(frame))))
     }
 
-    /// The image right of the split, of which `size` pixels are drawn: the other setting's, or the difference of both with its number for the
-    /// whole picture.
+    /// Returns the image right of the split, of which `size` pixels are drawn: the picture of the other setting, or the
+    /// difference of both with its value for the whole picture.
     fn right_image(
         &self,
         request: &FrameRequest,
@@ -303,9 +305,9 @@ impl Renderer {
     ) -> Result<Option<(Arc<Image>, Option<f64>)>> {
         let (Some(own), Some(other)) = (&self.own, &self.other) else { return Ok(None) };
         let Compare::Difference(metric) = request.compare else {
-            return Ok(Some((other.painter.target().display.clone(), None)));
+            return Ok(Some((other.renderer.target().display.clone(), None)));
         };
-        let [judged, judge] = [own.painter.picture()?, other.painter.picture()?];
+        let [judged, judge] = [own.renderer.picture()?, other.renderer.picture()?];
         let map = difference::map(metric, &judged, &judge, request.shown, size);
         let (format, data) = (target::DISPLAY, bytemuck::cast_slice(&map.pixels));
         let size = size.map(|n| n as usize);
@@ -313,15 +315,15 @@ impl Renderer {
         Ok(Some((Arc::new(image), Some(map.total))))
     }
 
-    /// Frees the painters of moving pictures that belong to a former setting.
+    /// Frees the renderers of moving pictures that belong to a former setting.
     fn drop_outdated(&mut self, request: &FrameRequest) {
         for slot in [&mut self.coarse, &mut self.fewer_wavelengths] {
-            // Cheaper settings are requested after the user's own, so theirs have larger numbers.
+            // Cheaper settings are requested after the main one, so that their numbers are larger.
             slot.take_if(|slot| slot.prepared.number < request.own.number);
         }
     }
 
-    /// The hemisphere that is `wanted`, from a texture that is on the device already.
+    /// Returns the hemisphere `wanted`, computed from a texture that is on the device already.
     fn hemisphere(&mut self, request: &FrameRequest, wanted: InsetRequest) -> Result<Option<Arc<Inset>>> {
         let number = request.own.number;
         if let Some((inset, of)) = &self.inset
@@ -336,12 +338,12 @@ impl Renderer {
         let mut others = [&mut self.coarse, &mut self.fewer_wavelengths].into_iter().flatten();
         let other = others.find(|slot| lighter.is_some_and(|number| has(slot, number)));
         let Some(slot) = own.or(other) else { return Ok(None) };
-        let inset = Arc::new(inset::hemisphere(&mut slot.painter, wanted)?);
+        let inset = Arc::new(inset::hemisphere(&mut slot.renderer, wanted)?);
         self.inset = Some((inset.clone(), number));
         Ok(Some(inset))
     }
 
-    /// Reads a pixel of a frame; `None` where the frame is not the one that is on the device.
+    /// Reads a pixel of a frame; `None` if the frame is not on the device.
     fn read_pixel(&mut self, request: PixelRequest) -> Result<Option<RenderReply>> {
         let PixelRequest { number, frame, at } = request;
         let is_there = |slot: &&mut Slot| {
@@ -349,8 +351,8 @@ impl Renderer {
             slot.prepared.number == frame.own.number && slot.displayed.as_ref().is_some_and(shows)
         };
         let Some(slot) = self.own.as_mut().filter(is_there) else { return Ok(None) };
-        let pixel = slot.painter.pixel(&frame.view, at)?;
-        // The settings are those of the first object.
+        let pixel = slot.renderer.pixel(&frame.view, at)?;
+        // The settings apply to the first object alone.
         let pixel = pixel.filter(|pixel| pixel.directions.iter().all(|seen| seen.object(0) == 0));
         let reading = pixel.map(|pixel| Box::new(Reading::new(number, frame.own, frame.view, pixel)));
         Ok(Some(RenderReply::Pixel(reading)))
@@ -367,10 +369,11 @@ impl Renderer {
         }
         let Some(slot) = &mut self.own else { return Ok(None) };
         let pixels = size[0] as usize * size[1] as usize;
-        let directions = error_probe::directions(&mut slot.painter, &request.view)?;
+        let directions = error_probe::directions(&mut slot.renderer, &request.view)?;
         let (source, shading) = (request.own.source(), request.own.shading());
         let counted = match source {
-            // The mip level of a table depends on the distance between neighbouring pixels, so it needs all of them.
+            // The mip level of a table depends on the distance between neighbouring pixels, so that all pixels are
+            // needed.
             Source::Table(_) => directions,
             _ => error_probe::thinned(&directions, pixels),
         };
@@ -392,7 +395,7 @@ impl Renderer {
             queue.give_way();
             true
         };
-        // What is measured is one sample.
+        // Errors are measured on a single sample.
         let sampling = if matches!(job, Job::Samples(_)) { Sampling::ONE } else { request.sampling };
         let drawn = FrameRequest { sampling, ..request.clone() };
         paint(&self.device, &mut self.own, &request.own, &drawn, request.size, &mut go_on)?;
@@ -414,10 +417,10 @@ impl Renderer {
                 let note = || ScalarTheory::note(&own.field, &own.shading().reflectance);
                 let scalar_theory =
                     own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
-                Ok(RenderReply::Picture(Ok((Box::new(slot.painter.picture()?), scalar_theory))))
+                Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.picture()?), scalar_theory))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {
-                samples: error_probe::samples(&mut slot.painter, &request.view)?,
+                samples: error_probe::samples(&mut slot.renderer, &request.view)?,
                 prepared: request.own.clone(),
                 view: request.view.clone(),
                 exposure: request.shown.exposure,
@@ -426,15 +429,15 @@ impl Renderer {
     }
 }
 
-/// Adds samples to the frame of `request` from now on, where it is a whole one of several.
+/// Adds samples to the frame of `request` from now on, if it has full quality and several samples.
 fn go_on_with(request: FrameRequest, queue: &JobQueue) {
     if request.quality == Quality::WHOLE && !request.moving && request.sampling.count > 1 {
         queue.refine(request);
     }
 }
 
-/// Draws `request` from `prepared` with the painter of `slot`, at `size` pixels; `None` when `go_on` returned false. Makes the
-/// painter if the slot has none that serves.
+/// Draws `request` from `prepared` with the renderer of `slot`, at `size` pixels; `None` if `go_on` returned false.
+/// Makes the renderer if the slot has no suitable one.
 fn paint(
     device: &Arc<Device>,
     slot: &mut Option<Slot>,
@@ -448,7 +451,7 @@ fn paint(
     let wanted = Displayed { view: view.clone(), shown, size, sampling: Sampling::ONE };
     if let Some(displayed) = &slot.displayed
         && !request.again
-        && slot.painter.target().size() == request.size
+        && slot.renderer.target().size() == request.size
         && [Sampling::ONE, request.sampling].contains(&displayed.sampling)
         && *displayed
             == (Displayed { shown: displayed.shown, sampling: displayed.sampling, ..wanted.clone() })
@@ -457,34 +460,35 @@ fn paint(
         if displayed.shown == shown {
             return Ok(Some(FrameTime::default()));
         }
-        if slot.painter.display_again(size, shown)? {
+        if slot.renderer.display_again(size, shown)? {
             slot.displayed = Some(wanted);
             return Ok(Some(FrameTime::default()));
         }
     }
     if prepared.source().has_limits(prepared.shading()) {
-        let directions = error_probe::directions(&mut slot.painter, view)?;
+        let directions = error_probe::directions(&mut slot.renderer, view)?;
         prepared.source().check(prepared.shading(), &directions)?;
     }
     slot.displayed = None;
     let start = Instant::now();
-    let gpu = slot.painter.draw_while(view, shown, size, go_on)?;
+    let gpu = slot.renderer.draw_while(view, shown, size, go_on)?;
     Ok(gpu.map(|gpu| {
         slot.displayed = Some(wanted);
         FrameTime { gpu, wall: start.elapsed().as_secs_f64() * 1e3 }
     }))
 }
 
-/// Displays the picture of `slot`, of `size` pixels, at the exposure \[stops\] that suits it, otherwise as `shown` says; `None` where nothing is lit.
+/// Displays the picture of `slot`, of `size` pixels, with automatic exposure \[stops\] and otherwise with the settings
+/// `shown`; `None` if nothing is lit.
 fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Option<f64>> {
     let Some(slot) = slot else { return Ok(None) };
-    let picture = slot.painter.picture()?;
+    let picture = slot.renderer.picture()?;
     let rows = picture.radiance.chunks(picture.size[0].max(1) as usize).take(size[1] as usize);
     let radiance: Vec<_> = rows.flat_map(|row| row.iter().take(size[0] as usize)).copied().collect();
     let stops = exposure::automatic(&radiance);
     if let Some(exposure) = stops {
         let shown = Shown { exposure, ..shown };
-        slot.painter.display_again(size, shown)?;
+        slot.renderer.display_again(size, shown)?;
         if let Some(displayed) = &mut slot.displayed {
             displayed.shown = shown;
         }
@@ -492,29 +496,29 @@ fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Optio
     Ok(stops)
 }
 
-/// The painter of `slot`, made to draw `request` from `prepared`.
+/// Returns the renderer of `slot`, made or adapted to draw `request` from `prepared`.
 fn serving<'a>(
     device: &Arc<Device>,
     slot: &'a mut Option<Slot>,
     prepared: &Arc<Prepared>,
     request: &FrameRequest,
 ) -> Result<&'a mut Slot> {
-    // A painter that does not serve is dropped here, so that its memory is free for the next one.
+    // An unsuitable renderer is dropped here, so that its memory is free for the next one.
     let ready = match slot.take().filter(|slot| slot.serves(prepared, request)) {
         Some(mut ready) => {
-            ready.painter.resize(request.size)?;
+            ready.renderer.resize(request.size)?;
             ready.take_over(prepared)?;
             ready
         }
         None => {
             let LoadedScene { scene, textures } = &*request.loaded;
             let objects = objects(scene, textures, prepared.of_objects(textures.len()));
-            let mut painter = Painter::of_objects(device, &objects, request.size)?;
+            let mut renderer = Renderer::new(device, &objects, request.size)?;
             if scene.shadows {
-                painter.cast_shadows()?;
+                renderer.cast_shadows()?;
             }
             let (prepared, loaded) = (prepared.clone(), request.loaded.clone());
-            Slot { painter, prepared, loaded, displayed: None }
+            Slot { renderer, prepared, loaded, displayed: None }
         }
     };
     Ok(slot.insert(ready))

@@ -1,20 +1,22 @@
-//! The pieces that a picture is drawn in: each takes so little time that others get the device in between.
+//! Pieces of a picture, each short enough to give the device to other work in between.
 
 use std::ops::Range;
 
-/// Long enough to keep a device busy, short enough for a hand not to feel it \[ms\].
+/// Target time of a piece \[ms\]: keeps a device busy without a perceptible delay.
 const LONGEST: f64 = 30.0;
-/// Sides of a tile are multiples of it, so that no group of neighbours is torn apart. A pixel may take milliseconds on a software device.
+/// Sides of a tile are multiples of this, so that no 2 × 2 quad is split. A pixel may take milliseconds on a software
+/// device.
 const STEP: u32 = 4;
-/// Each tile counts so much less for the next than for the one before: some fifty tiles of background, as beside each row of a mesh, change little, and one that was
-/// held up by something else is soon forgotten.
+/// Decay of the weight of former tiles, per tile: some fifty tiles of background, as between two rows of a mesh, matter
+/// little, and an outlier is soon forgotten.
 const FADING: f64 = 0.99;
-/// What an iteration of a loop takes at least on a software device \[ms\]: a part of what is usual, because few pixels take all of theirs.
+/// Least time of a loop iteration on a software device \[ms\]: a fraction of the usual time, because few pixels reach
+/// the maximum of iterations.
 const AN_ITERATION: f64 = 1e-6;
-/// How much more than the picture on average its dearest part costs, at most.
+/// Assumed ratio of the most expensive part of a picture to its average.
 const DEAREST: f64 = 4.0;
 
-/// What is drawn at once.
+/// Part of a picture that is drawn in one submission.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Piece {
     /// Columns and rows.
@@ -24,49 +26,49 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// A whole picture of `size` whose sum has so many `parts`.
+    /// Returns the whole picture of `size` pixels whose sum has `parts` parts.
     pub(super) fn whole(size: [u32; 2], parts: u32) -> Self {
         Self { tile: size.map(|n| 0..n), parts: 0..parts }
     }
 
-    /// Whether a picture begins with it.
+    /// Returns true if this is the first piece of a picture.
     pub(super) fn is_first(&self) -> bool {
         self.parts.start == 0 && self.tile.iter().all(|range| range.start == 0)
     }
 
-    /// Whether a picture of `size` whose sum has so many `parts` ends with it.
+    /// Returns true if this is the last piece of a picture of `size` pixels whose sum has `parts` parts.
     pub(super) fn is_last(&self, size: [u32; 2], parts: u32) -> bool {
         self.parts.end == parts && self.tile.iter().zip(size).all(|(range, end)| range.end == end)
     }
 }
 
-/// Tiles of a picture from the upper left, row after row. Those that may take long are drawn in parts of their sums.
+/// Tiles of a picture from the upper left, row after row. Tiles that may take long are drawn in parts of their sums.
 pub(super) struct Tiles {
     size: [u32; 2],
-    // Of the sum of a pixel.
+    // Parts of the sum of a pixel.
     parts: u32,
     // Upper left corner of the next tile.
     corner: [u32; 2],
-    // The tile of which parts are left, and the first of these.
+    // Tile with parts left to draw, and the first of these parts.
     begun: Option<([Range<u32>; 2], u32)>,
-    // Pixels of the pieces so far, by the share of their parts.
+    // Pixels drawn so far; a part of a sum counts as its fraction.
     drawn: f64,
-    // Milliseconds of the parts of the last tile so far.
+    // Milliseconds of the parts drawn of the current tile.
     spent: f64,
-    // Pixels of the next tile, about, and of the last.
+    // Approximate pixels of the next tile, and pixels of the last.
     pixels: f64,
     last: f64,
-    // Milliseconds a pixel on average, where that is known.
+    // Mean milliseconds per pixel, if known from the last picture.
     known: Option<f64>,
-    // Milliseconds a pixel in the dearest of the last tiles.
+    // Decaying maximum of the milliseconds per pixel of the last tiles.
     dearest: f64,
-    // What a pixel is taken to take at least until the picture is known.
+    // Lower bound of the milliseconds per pixel until tiles are measured.
     least: f64,
 }
 
 impl Tiles {
-    /// For a picture of `size` whose pixels took `known` milliseconds on average when it was drawn last, and of which a pixel may take `iterations` of a
-    /// loop in so many `parts`.
+    /// Makes the tiles of a picture of `size` pixels. `known`: mean milliseconds per pixel when it was drawn last. A
+    /// pixel takes up to `iterations` of a loop, in `parts` parts.
     pub(super) fn new(size: [u32; 2], known: Option<f64>, iterations: usize, parts: u32) -> Self {
         let least = if known.is_none() { iterations as f64 * AN_ITERATION } else { 0.0 };
         let smallest = f64::from(STEP * STEP);
@@ -86,12 +88,12 @@ impl Tiles {
         }
     }
 
-    /// The part of the picture that the pieces so far are.
+    /// Returns the fraction of the picture that is drawn.
     pub(super) fn drawn(&self) -> f64 {
         self.drawn / (f64::from(self.size[0]) * f64::from(self.size[1])).max(1.0)
     }
 
-    /// What is drawn next.
+    /// Returns the next piece to draw.
     pub(super) fn next_piece(&mut self) -> Option<Piece> {
         let (tile, first) = match self.begun.take() {
             Some(begun) => begun,
@@ -105,17 +107,18 @@ impl Tiles {
         Some(Piece { tile, parts: first..end })
     }
 
-    /// How many parts of a tile are drawn together: so many that they do not take long even where the tile is dearer than the last ones.
+    /// Returns the number of parts of a tile to draw together: few enough to meet the target time even if the tile is
+    /// more expensive than the last ones.
     fn parts_together(&self) -> u32 {
         if self.dearest == 0.0 {
-            // Nothing is known yet.
+            // No tile is measured yet.
             return 1;
         }
         let of_part = self.dearest.max(self.least) * self.last / f64::from(self.parts);
         (LONGEST / DEAREST / of_part).clamp(1.0, f64::from(self.parts)) as u32
     }
 
-    /// Columns and rows of the next tile.
+    /// Returns the columns and rows of the next tile.
     fn next_tile(&mut self) -> Option<[Range<u32>; 2]> {
         let ([width, height], [left, top]) = (self.size, self.corner);
         if top >= height || width == 0 {
@@ -133,7 +136,7 @@ impl Tiles {
         Some([left..right, top..bottom])
     }
 
-    /// Fits the size of the next tile to the time that the last piece took \[ms\].
+    /// Adjusts the size of the next tile to the time of the last piece \[ms\].
     pub(super) fn took(&mut self, milliseconds: f64) {
         self.spent += milliseconds;
         if self.begun.is_some() {
@@ -144,7 +147,7 @@ impl Tiles {
         let fitting = LONGEST / self.dearest.max(self.least).max(1e-9);
         self.pixels = match self.known {
             Some(average) => fitting.min(LONGEST / (DEAREST * average).max(1e-9)),
-            // What comes may be dearer than what was.
+            // The next tile may be more expensive than the last.
             None => fitting.min(2.0 * self.last),
         };
     }
@@ -154,7 +157,7 @@ impl Tiles {
 mod tests {
     use super::*;
 
-    /// The tiles of a picture whose pixels cost what `cost` says \[ms\], and the time of each.
+    /// Returns the tiles of a picture whose pixels take `cost` \[ms\], and the time of each.
     fn draw(
         size: [u32; 2],
         known: Option<f64>,
@@ -212,14 +215,14 @@ mod tests {
 
     #[test]
     fn background_beside_a_dear_mesh_makes_long_tiles_no_more_than_a_few_times() {
-        // A pixel of the mesh takes 2 ms: a tile of the smallest size is all that fits.
+        // A pixel of the mesh takes 2 ms, so that only a tile of the smallest size fits.
         let cost = |x: u32, y: u32| if (300..600).contains(&x) && y > 40 { 2.0 } else { 1e-4 };
         let drawn = draw([1024, 160], None, cost);
         let long = drawn.iter().filter(|tile| tile.1 > 3.0 * LONGEST).count();
         assert!(long <= 2, "{long} of {} tiles take longer than {} ms", drawn.len(), 3.0 * LONGEST);
         let of_mesh = 300 * 119 / (STEP * STEP) as usize;
         assert!(drawn.len() < 3 * of_mesh, "{} tiles, {of_mesh} of the mesh", drawn.len());
-        // Where it is known that pixels may be dear, no tile of background grows much.
+        // If pixels may be expensive, no tile of background grows much.
         let mut tiles = Tiles::new([1024, 160], None, 100_000, 1);
         while let Some(Piece { tile: [columns, rows], .. }) = tiles.next_piece() {
             let pixels = columns.len() * rows.len();
@@ -253,7 +256,8 @@ mod tests {
             tiles.took(time);
             long += u32::from(time > LONGEST);
         }
-        // A part of a smallest tile of the right half takes 5.3 ms; only the tile that meets that half unawares takes long.
+        // A part of a smallest tile of the right half takes 5.3 ms; only the first tile that reaches this half takes
+        // long.
         assert!(long <= PARTS, "{long} long pieces");
         assert!(drawn.iter().all(|&times| times == 1), "each part of each pixel once");
         assert_eq!(lasts, 1);

@@ -1,6 +1,6 @@
-//! The parts of a frame, each on its own clock.
+//! Times of the parts of a frame, measured separately.
 
-use super::{Painter, shaded};
+use super::{Renderer, shaded};
 use crate::error::Result;
 use crate::render::frame::{Shown, View, begin_shading, record_shading};
 use crate::render::light_passes::{LightPass, all_lights};
@@ -9,41 +9,41 @@ use crate::vk::queries::Timestamps;
 use glam::DVec3;
 use std::time::Instant;
 
-/// Milliseconds of the parts of one frame.
+/// Times of the parts of one frame \[ms\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassTimes {
-    /// Drawing the mesh, on the device.
+    /// Geometry pass, on the device.
     pub geometry: f64,
-    /// Shading, on the device.
+    /// Shading pass, on the device.
     pub shade: f64,
-    /// Display, on the device.
+    /// Display pass, on the device.
     pub display: f64,
     /// Recording the commands, on the CPU.
     pub record: f64,
-    /// From the call to the finished frame, on the wall.
+    /// Wall time from the call to the finished frame.
     pub wall: f64,
 }
 
 impl PassTimes {
-    /// All passes on the device.
+    /// Returns the device time of all passes.
     pub fn device(&self) -> f64 {
         self.geometry + self.shade + self.display
     }
 }
 
-/// Milliseconds that the device took for a picture or a part of it.
+/// Device times of a picture or of a part of it \[ms\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DrawTimes {
-    /// Drawing the mesh: its depth map, and what each pixel sees.
+    /// Shadow map and geometry pass.
     pub geometry: f64,
-    /// Shading.
+    /// Shading pass.
     pub shading: f64,
     /// Addition to other samples, and display.
     pub finish: f64,
 }
 
 impl DrawTimes {
-    /// Everything.
+    /// Returns the sum of all times.
     pub fn total(&self) -> f64 {
         self.geometry + self.shading + self.finish
     }
@@ -55,24 +55,24 @@ impl DrawTimes {
     }
 }
 
-/// The timestamps of frames that are timed.
+/// Timestamp queries of timed frames.
 pub struct Stopwatch {
     timestamps: Timestamps,
 }
 
-impl Painter {
-    /// What [`Self::time`] needs.
+impl Renderer {
+    /// Makes the queries that [`Self::time`] needs.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn stopwatch(&self) -> Result<Stopwatch> {
         Ok(Stopwatch { timestamps: Timestamps::new(&self.device, 4)? })
     }
 
-    /// Draws `view` as [`Self::draw`] does, and times its parts.
+    /// Draws `view` as [`Self::draw`] does and measures its parts.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn time(
         &mut self,
         watch: &Stopwatch,
@@ -93,7 +93,8 @@ impl Painter {
         Ok(times)
     }
 
-    /// Draws a `pass` of `view`, which was written, displays it where it is to be `shown`, and adds what its parts take to `times`.
+    /// Draws a `pass` of `view`, whose `Frame` block is written, displays it if `shown` is given, and adds the times of
+    /// its parts to `times`.
     fn time_pass(
         &mut self,
         stamps: &Timestamps,
@@ -102,14 +103,15 @@ impl Painter {
         times: &mut PassTimes,
     ) -> Result<()> {
         let parts = self.parts();
-        let (target, find, geometry, objects) = (&self.target, &self.find, &self.geometry, &self.objects);
+        let (target, geometry_pass, geometry, objects) =
+            (&self.target, &self.geometry_pass, &self.geometry, &self.objects);
         let mirrored = self.mirrors(view, pass);
         let shaded = shaded(&self.shadings, objects, view, pass, mirrored);
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
-            find.record(record, geometry, objects, mirrored);
+            geometry_pass.record(record, geometry, objects, mirrored);
             record.timestamp(stamps, 1);
             if pass.is_first {
                 begin_shading(record, target);

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Displays the surroundings where the mesh does not cover them, at the exposure and by the tone of the mesh.
+// Displays the surroundings in uncovered pixels, with the exposure and the tone of the mesh.
 #include "frame.glsl"
 
 const float PI = 3.14159265358979;
@@ -8,7 +8,7 @@ const float PI = 3.14159265358979;
 #include "displayed.glsl"
 #include "surroundings.glsl"
 
-layout(constant_id = 0) const bool MEAN = false; // whether the mean of samples stands before them, else nothing
+layout(constant_id = 0) const bool MEAN = false; // true: behind the mean of samples; false: behind a single sample
 
 // Summed over samples; alpha is the number of samples that cover the pixel.
 layout(set = 1, binding = 0) uniform sampler2D radiance;
@@ -21,7 +21,7 @@ void main() {
     vec3 direction = normalize(toward);
     // The standard deviation of the pixel filter is half a pixel.
     float deviation = 0.5 * max(length(dFdx(direction)), length(dFdy(direction)));
-    vec3 shown = displayed(radiance_around(direction, deviation));
+    vec3 shown = displayed(radiance_toward(direction, deviation));
     if (MEAN) {
         vec4 stored = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0);
         if (stored.a > 0.0) {

@@ -1,15 +1,13 @@
-//! One picture, offscreen: what `diffract render` writes.
+//! Offscreen picture, as written by `diffract render`.
 
 use super::accumulate::{Accumulation, Addition};
-use super::around::AroundPass;
-use super::evaluator::{Asker, Query};
+use super::background::BackgroundPass;
+use super::evaluator::{Query, QueryPass};
 use super::frame::{
     DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, begin_shading, record_shading,
 };
-use super::grooves::GrooveDirections;
 use super::light_passes::{LightPass, all_lights};
 use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
-use super::pigment::Pigment;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
@@ -17,7 +15,6 @@ use super::target::{self, Geometry, GeometrySettings, Target};
 use crate::error::{Error, Result};
 use crate::optics::color;
 use crate::optics::spectrum::Illuminant;
-use crate::scene::Mesh;
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
@@ -37,52 +34,52 @@ use tiles::{Piece, Tiles};
 use timing::DrawTimes;
 
 /// Draws pictures of one object or of several.
-pub struct Painter {
+pub struct Renderer {
     commands: Commands,
-    find: GeometryPass,
+    geometry_pass: GeometryPass,
     // At least one.
     objects: Vec<DeviceObject>,
-    // What shades them, object by object: one or more for each.
+    // Shadings in the order of the objects, one or more for each.
     shadings: Vec<ObjectShading>,
     geometry: Geometry,
     display: DisplayPass,
     target: Target,
     timestamps: Timestamps,
-    asker: Option<Asker>,
-    // Milliseconds in which a pixel of the last picture that was drawn in tiles was shaded.
+    query_pass: Option<QueryPass>,
+    // Milliseconds per shaded pixel of the last picture that was drawn in tiles.
     pixel_time: Option<f64>,
-    // What the display shows.
+    // Content of the displayed image.
     shows: Content,
-    // Made with the first picture of several samples.
+    // Made for the first picture of several samples.
     accumulation: Option<Accumulation>,
-    // Made with the first picture that shows its surroundings.
-    around: Option<AroundPass>,
-    // What the samples in its sum are of.
+    // Made for the first picture that shows its surroundings.
+    background: Option<BackgroundPass>,
+    // Settings of the samples in the sum.
     summed: Option<samples::Summed>,
-    // What the `Frame` block is of, and what the geometry images hold.
-    written: Option<Written>,
-    found: Option<Written>,
+    // Settings of the `Frame` block, and of the geometry images.
+    block_input: Option<GeometryInput>,
+    image_input: Option<GeometryInput>,
     device: Arc<Device>,
 }
 
-/// What an object is shaded by under the lights of one illuminant.
+/// Source and pass of an object under the lights of one illuminant.
 struct ObjectShading {
     /// Number of the object.
     object: usize,
-    // Whether it is the object's first: that of the lights without an illuminant of their own.
+    // True for the default shading of the object, used for lights without a separate illuminant.
     is_first: bool,
     illuminant: Illuminant,
-    // Of its illuminant, linear sRGB.
+    // White of the illuminant, linear sRGB.
     white: Vec3,
     source: BoundSource,
     pass: PixelPass,
-    // Of the specular order, where surroundings are read in the mirrored direction.
+    // Variance of (u, v) of the specular order, if surroundings are read in the mirrored direction.
     specular_spread: Option<f32>,
 }
 
 impl ObjectShading {
-    /// The object, which is one of `objects`, as it is shaded under a light that is drawn from surroundings whose specular order is `mirrored`, or under
-    /// another. Whether its pixels `count` as covered once more.
+    /// Returns the draw call of this shading on its object among `objects`. `mirrored`: the light is the surroundings,
+    /// whose specular order is reflected. `counts`: the draw adds 1 to the coverage of its pixels.
     fn of<'a>(&'a self, objects: &'a [DeviceObject], mirrored: bool, counts: bool) -> ShadedObject<'a> {
         let Self { object: number, white, source, pass, .. } = self;
         ShadedObject {
@@ -97,7 +94,7 @@ impl ObjectShading {
     }
 }
 
-/// What shades `object` from `sources`, its geometry found by `settings`.
+/// Makes the shadings of `object` from `sources`, for the output of a geometry pass with `settings`.
 fn object_shadings(
     device: &Arc<Device>,
     (number, object): (usize, &DeviceObject),
@@ -118,90 +115,71 @@ fn object_shadings(
     sources.into_iter().enumerate().map(shading).collect()
 }
 
-/// A white diffuse surface under `illuminant`, linear sRGB.
+/// Returns the colour of a white diffuse surface under `illuminant`, linear sRGB.
 fn white_of(illuminant: &Illuminant) -> Vec3 {
     color::xyz_to_linear_srgb(illuminant.white()).as_vec3()
 }
 
-/// What is asked of the geometry pass.
+/// Input of the geometry pass.
 #[derive(Clone, PartialEq)]
-struct Written {
+struct GeometryInput {
     view: View,
     pass: LightPass,
     size: [u32; 2],
 }
 
-/// What is drawn into the radiance.
+/// View, size and passes to draw into the radiance.
 #[derive(Clone, Copy)]
-struct Drawn<'a> {
+struct DrawRequest<'a> {
     view: &'a View,
     size: [u32; 2],
-    /// One after the other; at least one.
+    /// Passes to draw one after the other; at least one.
     passes: &'a [LightPass],
 }
 
-/// What can be displayed and read back.
+/// Content of the images for display and read-back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Content {
-    /// Nothing: radiance is of no picture, or of parts of several.
+    /// Nothing: the radiance belongs to no picture, or to parts of several.
     Nothing,
-    /// Nothing: radiance holds a part of a picture, and more tiles of it may follow.
+    /// Nothing yet: the radiance holds a part of a picture, and more tiles may follow.
     PictureArea,
-    /// One sample: the radiance.
+    /// One sample, in the radiance.
     Sample,
-    /// The mean of the samples that are summed.
+    /// Mean of the summed samples.
     Mean,
 }
 
-/// What follows the last row of what is drawn.
+/// Step after the last piece.
 #[derive(Clone, Copy)]
-enum Finish {
-    /// It is displayed.
+enum FinalStep {
+    /// Display the radiance.
     Display(Shown),
-    /// Each pass is a picture of its own. All of them, which are of so many `samples`, are added to the sum of those `before` them. Where they are to be `shown`,
-    /// the mean of all is displayed.
+    /// Add each pass, a picture in itself, to the sum of `before` samples. All passes together are `samples` samples.
+    /// If `shown` is given, display the mean of all.
     Add { before: u32, samples: u32, shown: Option<Shown> },
 }
 
-/// A finished picture.
+/// Finished picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width and height.
     pub size: [u32; 2],
-    /// Linear radiance, signed, RGBA, row by row from the top. Alpha is the part of the samples in which the mesh covers the pixel, and
-    /// colours are premultiplied by it.
+    /// Linear radiance, signed, RGBA, row by row from the top. Alpha is the fraction of the samples in which an object
+    /// covers the pixel; colours are premultiplied by alpha.
     pub radiance: Vec<[f32; 4]>,
-    /// What is displayed, sRGB-encoded and opaque RGBA: the mesh over the background.
+    /// Displayed picture, sRGB-encoded opaque RGBA, over the background.
     pub display: Vec<[u8; 4]>,
-    /// Whether the background is surroundings, which belong to the picture as the mesh does.
+    /// True if the background is surroundings, which are part of the picture.
     pub surrounded: bool,
 }
 
-impl Painter {
-    /// Uploads everything for pictures of `size` pixels, shaded from `source`.
+impl Renderer {
+    /// Uploads everything for pictures of `objects`, `size` pixels large. Single directions are evaluated by the source of the first object.
     ///
     /// # Errors
-    /// Where the device has no room.
-    pub fn new(
-        device: &Arc<Device>,
-        source: &Source,
-        shading: &Shading,
-        mesh: &Mesh,
-        pigment: &Pigment,
-        size: [u32; 2],
-    ) -> Result<Self> {
-        let grooves = &GrooveDirections::along();
-        let (base_color, casts_shadows) = (None, true);
-        let sources = &ObjectSources::new(source.clone(), shading.clone());
-        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
-        Self::of_objects(device, &[object], size)
-    }
-
-    /// Uploads everything for pictures of `objects`, as [`Self::new`]. What is asked of the source of a painter is asked of the first.
-    ///
-    /// # Errors
-    /// Where the device has no room, and without any object.
-    pub fn of_objects(device: &Arc<Device>, objects: &[ObjectData<'_>], size: [u32; 2]) -> Result<Self> {
+    /// Fails if the device is out of memory, or if there is no object.
+    pub fn new(device: &Arc<Device>, objects: &[ObjectData<'_>], size: [u32; 2]) -> Result<Self> {
         if objects.is_empty() {
             return Err(Error::failed("there is no object", "report this as a bug of diffract"));
         }
@@ -232,35 +210,35 @@ impl Painter {
         }
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            find: GeometryPass::new(device, &objects, &geometry)?,
+            geometry_pass: GeometryPass::new(device, &objects, &geometry)?,
             shadings,
             objects,
             geometry,
             display,
             target,
             timestamps: Timestamps::new(device, 4)?,
-            asker: None,
+            query_pass: None,
             pixel_time: None,
             shows: Content::Nothing,
             accumulation: None,
-            around: None,
+            background: None,
             summed: None,
-            written: None,
-            found: None,
+            block_input: None,
+            image_input: None,
             device: device.clone(),
         })
     }
 
-    /// Another size for the pictures from now on.
+    /// Sets the size of the following pictures \[pixels\].
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<()> {
         if [self.target.size(), self.geometry.directions.size()] == [size; 2] {
             return Ok(());
         }
-        self.forget();
-        self.find_anew(size, self.geometry.settings)?;
+        self.invalidate();
+        self.make_geometry_again(size, self.geometry.settings)?;
         self.target = Target::new(&self.device, size)?;
         self.display.read_from(&self.target.radiance);
         if let Some(accumulation) = &mut self.accumulation {
@@ -270,9 +248,9 @@ impl Painter {
         Ok(())
     }
 
-    /// Makes the images of the geometry pass, and the pass, for `size` pixels; also the shading pass, where it depends on them. Where one of
-    /// them cannot be made, the former ones stay.
-    fn find_anew(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
+    /// Makes the geometry pass and its images for `size` pixels, and the shading passes if they depend on the settings.
+    /// On an error the former ones stay.
+    fn make_geometry_again(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
         let geometry = Geometry::new(&self.device, size, settings)?;
         let of_shading = |s: GeometrySettings| (s.mirrored, s.lamps);
         let same = of_shading(settings) == of_shading(self.geometry.settings);
@@ -282,50 +260,52 @@ impl Painter {
         };
         let changed = if same { &[] } else { self.shadings.as_slice() };
         let passes = changed.iter().map(shade).collect::<Result<Vec<_>>>()?;
-        self.find = GeometryPass::new(&self.device, &self.objects, &geometry)?;
+        self.geometry_pass = GeometryPass::new(&self.device, &self.objects, &geometry)?;
         self.shadings.iter_mut().zip(passes).for_each(|(shading, pass)| shading.pass = pass);
         self.objects.iter().for_each(|object| object.frame.read_from(&geometry));
         self.geometry = geometry;
-        self.found = None;
+        self.image_input = None;
         Ok(())
     }
 
-    /// From now on the geometry pass writes footprints, too, and [`Self::directions`] have them.
+    /// Makes the geometry pass write footprints too, so that [`Self::directions`] contain them.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn ask_for_footprints(&mut self) -> Result<()> {
         let settings = GeometrySettings { footprints: true, ..self.geometry.settings };
         if settings != self.geometry.settings {
-            self.forget();
-            self.find_anew(self.target.size(), settings)?;
+            self.invalidate();
+            self.make_geometry_again(self.target.size(), settings)?;
         }
         Ok(())
     }
 
-    /// From now on the geometry pass writes the radiance of surroundings in the mirrored direction, too, averaged over a specular order of this
-    /// variance in (u, v), and [`Self::directions`] have it. Sources that know the specular order ask for it themselves.
+    /// Makes the geometry pass write the radiance of surroundings in the mirrored direction too, averaged over a
+    /// specular order of variance `spread` in (u, v), so that [`Self::directions`] contain it. For sources with a
+    /// separate specular order this is the default.
     pub fn ask_for_mirrored(&mut self, spread: f64) {
-        self.forget();
+        self.invalidate();
         self.shadings.iter_mut().for_each(|shading| shading.specular_spread = Some(spread as f32));
     }
 
-    /// From now on the mesh casts shadows on itself.
+    /// Makes the objects cast shadows on themselves and on each other.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn cast_shadows(&mut self) -> Result<()> {
         let settings = GeometrySettings { shadows: true, ..self.geometry.settings };
         if settings != self.geometry.settings {
-            self.forget();
-            self.find_anew(self.target.size(), settings)?;
+            self.invalidate();
+            self.make_geometry_again(self.target.size(), settings)?;
         }
         Ok(())
     }
 
-    /// The frames from now on are surrounded as `view` is. Where the source knows the specular order, the geometry pass writes the radiance in
-    /// the mirrored direction. What a 1 of the picture on the device stands for.
-    fn surround(&mut self, view: &View) -> Result<f32> {
+    /// Sets the surroundings of the following frames to those of `view`. If a source has a separate specular order, the
+    /// geometry pass writes the radiance in the mirrored direction. Returns the radiance of a stored 1 of the uploaded
+    /// picture.
+    fn bind_environment(&mut self, view: &View) -> Result<f32> {
         let known = self.shadings.iter().any(|shading| shading.specular_spread.is_some());
         let around = view.environment.as_ref().filter(|_| known);
         self.find_by(GeometrySettings {
@@ -334,21 +314,21 @@ impl Painter {
             ..self.geometry.settings
         })?;
         let shown = view.background();
-        if shown.is_some() && self.around.is_none() {
+        if shown.is_some() && self.background.is_none() {
             let depth_format = self.geometry.settings.depth_format();
-            self.around = Some(AroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
+            self.background = Some(BackgroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
             self.point_around();
         }
         let Some(environment) = around.or(shown) else { return Ok(0.0) };
         let Some((first, others)) = self.objects.split_first_mut() else { return Ok(0.0) };
-        let unit = first.frame.surround(&self.device, environment)?;
+        let unit = first.frame.bind_environment(&self.device, environment)?;
         others.iter_mut().for_each(|object| object.frame.share_surroundings(&first.frame));
         Ok(unit)
     }
 
-    /// Points what displays the surroundings at the images of the pictures.
+    /// Points the background pass at the foreground it draws behind.
     fn point_around(&self) {
-        if let Some(around) = &self.around {
+        if let Some(around) = &self.background {
             let sum =
                 self.accumulation.as_ref().map_or(&self.target.radiance, |accumulation| &accumulation.sum);
             around.read_from(sum);
@@ -362,34 +342,34 @@ impl Painter {
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
-        self.find_anew(self.target.size(), settings)
+        self.make_geometry_again(self.target.size(), settings)
     }
 
-    /// Nothing that was drawn is shown or added to from now on.
-    fn forget(&mut self) {
+    /// Marks the displayed picture and the sum as invalid.
+    fn invalidate(&mut self) {
         self.shows = Content::Nothing;
         self.summed = None;
-        self.found = None;
+        self.image_input = None;
     }
 
-    /// Shades the first object by `shading` from now on, from `source`, as [`Self::shade_objects_by`].
+    /// Shades the first object from `source` by `shading` from now on, as [`Self::shade_objects_by`].
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
         self.shade_objects_by([&ObjectSources::new(source.clone(), shading.clone())])
     }
 
-    /// Shades the objects from `sources` from now on, the data of which the painter has: what depends on the index, the illuminant or the number of
-    /// copies is uploaded, and the rest stays.
+    /// Shades the objects from `sources` from now on. Their large data must be uploaded already; only the parts that
+    /// depend on the index, the illuminant or the number of copies are uploaded.
     ///
     /// # Errors
-    /// Where the device has no room.
+    /// Fails if the device is out of memory.
     pub fn shade_objects_by<'a>(
         &mut self,
         sources: impl IntoIterator<Item = &'a ObjectSources>,
     ) -> Result<()> {
-        self.forget();
+        self.invalidate();
         let settings = self.geometry.settings;
         let sources = sources.into_iter().flat_map(ObjectSources::all);
         for (own, ObjectSource { source, shading }) in self.shadings.iter_mut().zip(sources) {
@@ -403,30 +383,32 @@ impl Painter {
         Ok(())
     }
 
-    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and leaves the result on the device.
+    /// Draws one sample of `view` at the pixel centres, displays it without tone mapping and leaves the result on the
+    /// device.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<()> {
         self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
     }
 
-    /// Draws `sample` alone of `view`, under all lights, displayed as `shown` says.
+    /// Draws a single `sample` of `view` under all lights and displays it with the settings `shown`.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
         let drawn =
-            Drawn { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
-        self.draw_whole(drawn, Finish::Display(shown))
+            DrawRequest { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
+        self.draw_whole(drawn, FinalStep::Display(shown))
     }
 
-    /// Draws one sample of `view` with `size` pixels, at most those of the pictures, in pieces of some ten milliseconds each, between which
-    /// others get the device. `go_on` is asked before each piece, with the part of the picture that is drawn; where it says no, the former display stays. Milliseconds
-    /// that the device took, or `None` for a picture that was given up.
+    /// Draws one sample of `view` with `size` pixels, at most those of the target, in pieces of about ten milliseconds
+    /// each, between which other work gets the device. Calls `go_on` before each piece with the fraction of the picture
+    /// that is drawn; if it returns false, the picture is abandoned and the former display stays. Returns the
+    /// milliseconds that the device took, or `None` for an abandoned picture.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn draw_while(
         &mut self,
         view: &View,
@@ -434,18 +416,19 @@ impl Painter {
         size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<f64>> {
-        let drawn = Drawn { view, size, passes: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
-        let times = self.draw_tiles(drawn, Finish::Display(shown), go_on)?;
+        let drawn =
+            DrawRequest { view, size, passes: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
+        let times = self.draw_tiles(drawn, FinalStep::Display(shown), go_on)?;
         Ok(times.map(|times| times.total()))
     }
 
-    /// Parts of the sum of a pixel.
+    /// Returns the number of parts of a pixel's sum.
     fn parts(&self) -> u32 {
         self.shadings.iter().map(|own| own.pass.parts).max().unwrap_or(1)
     }
 
-    /// Draws `drawn` pass by pass, each at once.
-    fn draw_whole(&mut self, drawn: Drawn<'_>, finish: Finish) -> Result<()> {
+    /// Draws `drawn` pass by pass, each in a single submission.
+    fn draw_whole(&mut self, drawn: DrawRequest<'_>, finish: FinalStep) -> Result<()> {
         for number in 0..drawn.passes.len() {
             self.write(drawn.view, drawn.size, &drawn.passes[number])?;
             let piece = Piece::whole(drawn.size, self.parts());
@@ -454,14 +437,14 @@ impl Painter {
         Ok(())
     }
 
-    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] says; what that took.
+    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] describes. Returns the device time.
     fn draw_tiles(
         &mut self,
-        drawn: Drawn<'_>,
-        finish: Finish,
+        drawn: DrawRequest<'_>,
+        finish: FinalStep,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Option<DrawTimes>> {
-        let Drawn { view, size, passes } = drawn;
+        let DrawRequest { view, size, passes } = drawn;
         let count = passes.len() as f64;
         let mut total = DrawTimes::default();
         for (number, pass) in passes.iter().enumerate() {
@@ -485,16 +468,16 @@ impl Painter {
         Ok(Some(total))
     }
 
-    /// Shows what was drawn last at another exposure, by another tone or before another background; false where there is nothing whole.
+    /// Displays the last picture again with other settings; returns false if there is no complete picture.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn display_again(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
         self.write_shown()?;
         let target = &self.target;
         let frame = &self.objects[0].frame.descriptors;
-        let (around, written) = (self.around.as_ref(), self.written.as_ref());
-        let display = Display::new((&self.geometry, target), &self.display, around, frame, written);
+        let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
+        let display = Display::new((&self.geometry, target), &self.display, background, frame, block_input);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
             Content::Nothing | Content::PictureArea => return Ok(false),
@@ -517,36 +500,42 @@ impl Painter {
         Ok(true)
     }
 
-    /// Draws a `piece` of pass number `number`, which was written: with the first goes the geometry, with the last what adds the pass, and with the last of
-    /// all the rest of the `finish`.
-    fn submit(&mut self, drawn: Drawn<'_>, number: usize, piece: Piece, finish: Finish) -> Result<DrawTimes> {
-        let Drawn { view, size, passes } = drawn;
+    /// Draws a `piece` of pass number `number`, whose `Frame` block is written. The first piece includes the geometry,
+    /// the last piece of a pass its addition, and the last piece of all the remaining steps of `finish`.
+    fn submit(
+        &mut self,
+        drawn: DrawRequest<'_>,
+        number: usize,
+        piece: Piece,
+        finish: FinalStep,
+    ) -> Result<DrawTimes> {
+        let DrawRequest { view, size, passes } = drawn;
         let pass = passes[number];
         let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
-        // Passes that are added are pictures of their own; others add up.
-        let is_new = number == 0 || matches!(finish, Finish::Add { .. });
+        // Added passes are pictures in themselves; others accumulate in the radiance.
+        let is_new = number == 0 || matches!(finish, FinalStep::Add { .. });
         let finishes = last && number + 1 == passes.len();
         let Piece { tile, parts } = piece;
         let (geometry, target) = (&self.geometry, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
         let frame = &self.objects[0].frame.descriptors;
-        let (around, written) = (self.around.as_ref(), self.written.as_ref());
+        let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
         let mirrored = self.mirrors(view, &pass);
         let shaded = shaded(&self.shadings, objects, view, &pass, mirrored);
-        let display = Display::new((geometry, target), &self.display, around, frame, written);
+        let display = Display::new((geometry, target), &self.display, background, frame, block_input);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
         if first {
-            self.found = None;
+            self.image_input = None;
         }
         self.commands.run(|record| {
             let (all, some) = (record.within(size, 0..size[1]), record.tile(size, tile));
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
             if first {
-                self.find.record(&all, geometry, objects, mirrored);
+                self.geometry_pass.record(&all, geometry, objects, mirrored);
             }
             record.timestamp(&self.timestamps, 1);
             if first && is_new {
@@ -556,7 +545,7 @@ impl Painter {
             record_shading(&some, (geometry, target), &shaded, parts, begins);
             record.timestamp(&self.timestamps, 2);
             match (finish, accumulation) {
-                (Finish::Add { before, samples, shown }, Some(accumulation)) if last => {
+                (FinalStep::Add { before, samples, shown }, Some(accumulation)) if last => {
                     let weights = pass.sample.weights();
                     let (passes, first) = (passes.len(), before == 0);
                     accumulation.record(
@@ -570,7 +559,7 @@ impl Painter {
                         });
                     }
                 }
-                (Finish::Display(shown), _) if finishes => {
+                (FinalStep::Display(shown), _) if finishes => {
                     record_display(&all, target, |all| display.sample(all, shown));
                 }
                 _ => {}
@@ -579,13 +568,13 @@ impl Painter {
             Ok(())
         })?;
         if first {
-            self.found = self.written.clone();
+            self.image_input = self.block_input.clone();
         }
         if finishes {
             self.shows = match finish {
-                Finish::Display(_) => Content::Sample,
-                Finish::Add { shown: Some(_), .. } => Content::Mean,
-                Finish::Add { shown: None, .. } => Content::Nothing,
+                FinalStep::Display(_) => Content::Sample,
+                FinalStep::Add { shown: Some(_), .. } => Content::Mean,
+                FinalStep::Add { shown: None, .. } => Content::Nothing,
             };
         } else if self.shows != Content::Mean {
             self.shows = Content::PictureArea;
@@ -594,48 +583,49 @@ impl Painter {
         Ok(DrawTimes { geometry: times[0], shading: times[1], finish: times[2] })
     }
 
-    /// Whether the light of `pass` is drawn from the surroundings of `view`, whose specular order is mirrored.
+    /// Returns true if the light of `pass` is the surroundings of `view` and their specular order is reflected.
     fn mirrors(&self, view: &View, pass: &LightPass) -> bool {
         self.geometry.settings.mirrored && view.is_surroundings(pass.light)
     }
 
-    /// What draws them.
+    /// Returns the device that draws.
     pub fn device(&self) -> &Device {
         &self.device
     }
 
-    /// The images of the pictures.
+    /// Returns the images of the pictures.
     pub fn target(&self) -> &Target {
         &self.target
     }
 
-    /// What each of their pixels sees.
+    /// Returns the images of the geometry pass.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// f·cos θ_i \[sr⁻¹\] of single directions, as [`super::evaluator::Evaluator::cosine_weighted`].
+    /// Returns f·cos θ_i \[sr⁻¹\] of single directions, as [`super::evaluator::Evaluator::cosine_weighted`].
     ///
     /// # Errors
-    /// Where the device is lost or has no room.
+    /// Fails if the device is lost or out of memory.
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        let asker = match &mut self.asker {
-            Some(asker) => asker,
-            none => none.insert(Asker::new(&self.device, &self.shadings[0].source)?),
+        let query_pass = match &mut self.query_pass {
+            Some(query_pass) => query_pass,
+            none => none.insert(QueryPass::new(&self.device, &self.shadings[0].source)?),
         };
-        asker.ask(&self.shadings[0].source, queries)
+        query_pass.ask(&self.shadings[0].source, queries)
     }
 
-    /// Milliseconds in which the device reads `samples` bilinear samples per pixel of its texture with nothing else to do: what
-    /// it could reach, with neighbours for neighbouring pixels or, `scattered`, with a place of its own for each pixel.
+    /// Returns the milliseconds in which the device reads `samples` bilinear samples per pixel of its texture and does
+    /// nothing else: the lower bound of a frame. Neighbouring pixels read neighbouring texels, or, if `scattered`, each
+    /// pixel reads at a random place.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
         let probe = Probe { samples, scattered: scattered.into() };
         let pass =
             PixelPass::probe(&self.device, &self.objects[0].frame.descriptors, &self.shadings[0].source)?;
-        self.forget();
+        self.invalidate();
         let target = &self.target;
         let sets = [&self.objects[0].frame.descriptors, &self.shadings[0].source.descriptors];
         let mut best = f64::INFINITY;
@@ -652,19 +642,20 @@ impl Painter {
         Ok(best)
     }
 
-    /// Draws one sample of `view` at the centres of pixels, displays it without a tone and reads the picture back.
+    /// Draws one sample of `view` at the pixel centres, displays it without tone mapping and reads the picture back.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn paint(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<Picture> {
         self.draw(view, exposure, background)?;
         self.picture()
     }
 
-    /// Reads back what was drawn last, in the size of the pictures. Where that was given up, it has no radiance and the former display.
+    /// Reads back the last picture at the size of the target. An abandoned picture has no radiance and the former
+    /// display.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn picture(&self) -> Result<Picture> {
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         let radiance = match sum.filter(|_| self.shows == Content::Mean) {
@@ -682,7 +673,7 @@ impl Painter {
         };
         let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
         let view = match self.shows {
-            Content::Sample => self.found.as_ref().map(|found| &found.view),
+            Content::Sample => self.image_input.as_ref().map(|found| &found.view),
             Content::Mean => self.summed.as_ref().map(|summed| &summed.view),
             Content::Nothing | Content::PictureArea => None,
         };
@@ -694,9 +685,9 @@ impl Painter {
         })
     }
 
-    /// Writes the `Frame` block of `view` for a `pass` in pictures of `size`.
+    /// Writes the `Frame` block of `view` for a `pass` in pictures of `size` pixels.
     fn write(&mut self, view: &View, size: [u32; 2], pass: &LightPass) -> Result<()> {
-        let unit = self.surround(view)?;
+        let unit = self.bind_environment(view)?;
         let mut block = view.block(size, pass);
         block.surroundings[2] *= unit;
         let first = self.shadings.iter().filter(|shading| shading.is_first);
@@ -704,26 +695,27 @@ impl Painter {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }
-        self.find.select_shadow(&self.device, &self.objects, pass.light, &block)?;
-        self.written = Some(Written { view: view.clone(), pass: *pass, size });
+        self.geometry_pass.select_shadow(&self.device, &self.objects, pass.light, &block)?;
+        self.block_input = Some(GeometryInput { view: view.clone(), pass: *pass, size });
         Ok(())
     }
 
-    /// Writes the `Frame` block of what is shown, where that of a picture that was given up took its place.
+    /// Restores the `Frame` block of the displayed picture after an abandoned draw.
     fn write_shown(&mut self) -> Result<()> {
         let shown = match self.shows {
             Content::Nothing | Content::PictureArea => None,
-            Content::Sample => self.found.clone(),
+            Content::Sample => self.image_input.clone(),
             Content::Mean => self.summed.as_ref().map(samples::Summed::first),
         };
-        match shown.filter(|shown| self.written.as_ref() != Some(shown)) {
-            Some(Written { view, pass, size }) => self.write(&view, size, &pass),
+        match shown.filter(|shown| self.block_input.as_ref() != Some(shown)) {
+            Some(GeometryInput { view, pass, size }) => self.write(&view, size, &pass),
             None => Ok(()),
         }
     }
 }
 
-/// The `objects` as `shadings` shade them in a `pass` of `view`, whose light is drawn from surroundings whose specular order is `mirrored` or is another.
+/// Returns the draw calls of a `pass` of `view` on the `objects` by `shadings`. `mirrored`: the light is the
+/// surroundings, whose specular order is reflected.
 fn shaded<'a>(
     shadings: &'a [ObjectShading],
     objects: &'a [DeviceObject],
@@ -735,8 +727,8 @@ fn shaded<'a>(
     lit.map(|own| own.of(objects, mirrored, pass.is_first)).collect()
 }
 
-/// Whether `own`, one of `shadings`, shades its object under a light of this `illuminant`: where it has the same; where no shading of the object has
-/// it, or the light has none of its own, if it is the object's first.
+/// Returns true if `own`, one of `shadings`, shades its object under a light of this `illuminant`: it has the same
+/// illuminant, or it is the object's default and no shading of the object matches.
 fn shades(own: &ObjectShading, shadings: &[ObjectShading], illuminant: Option<&Illuminant>) -> bool {
     let mut of_object = shadings.iter().filter(|other| other.object == own.object);
     match illuminant {
@@ -747,7 +739,8 @@ fn shades(own: &ObjectShading, shadings: &[ObjectShading], illuminant: Option<&I
     }
 }
 
-/// Records with `display` what draws into the display, which a window may be showing, and leaves it readable.
+/// Records `display`, which draws into the displayed image that a window may be showing, and makes the image readable
+/// by shaders again.
 fn record_display(record: &Recorder<'_>, target: &Target, display: impl FnOnce(&Recorder<'_>)) {
     record.memory(Access::ShaderRead, Access::ColorAttachment);
     display(record);

@@ -1,4 +1,4 @@
-//! The pass that puts displayed pictures into a window.
+//! Pass that draws the displayed pictures into a window.
 
 use super::shader;
 use crate::error::Result;
@@ -12,38 +12,38 @@ use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-/// Where the pictures lie in the window, in pixels; the push constants of `window.frag`.
+/// Positions of the pictures in the window \[pixels\]; the push constants of `window.frag`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct PicturePlace {
-    /// What the picture takes of the window, from the upper left corner.
+    /// Area of the pictures in the window, from the upper left corner.
     pub area: [f32; 2],
-    /// Pixels that were drawn of the left picture.
+    /// Drawn size of the left picture.
     pub left: [f32; 2],
-    /// Pixels that were drawn of the right picture.
+    /// Drawn size of the right picture.
     pub right: [f32; 2],
-    /// Column where the right picture begins; `area[0]` for the left one alone.
+    /// First column of the right picture; `area[0]` if the left one is shown alone.
     pub split: f32,
 }
 
-/// The pipeline over window images of one format.
+/// Pipeline for window images of one format.
 pub struct WindowPass {
     pipeline: Pipeline,
     sampler: Sampler,
     device: Arc<Device>,
 }
 
-/// The pictures that one frame shows; kept until the device is done with the frame.
+/// Pictures shown by one frame; kept until the device is done with the frame.
 pub struct WindowPictures {
     descriptors: Descriptors,
     images: Option<[Arc<Image>; 2]>,
 }
 
 impl WindowPass {
-    /// A pass into images of `format`.
+    /// Makes a pass into images of `format`.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, format: vk::Format) -> Result<Self> {
         let layout = bindings(device)?;
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[format], depth: None };
@@ -54,15 +54,15 @@ impl WindowPass {
         Ok(Self { pipeline, sampler, device: device.clone() })
     }
 
-    /// Room for the pictures of one frame in flight.
+    /// Makes the set for the pictures of one frame in flight.
     ///
     /// # Errors
-    /// Where the device refuses.
+    /// Fails if Vulkan reports an error.
     pub fn pictures(&self) -> Result<WindowPictures> {
         Ok(WindowPictures { descriptors: bindings(&self.device)?, images: None })
     }
 
-    /// Points `pictures` at two images. The device must be done with its frame.
+    /// Points `pictures` at two images. The device must be done with the frame.
     pub fn show(&self, pictures: &mut WindowPictures, left: &Arc<Image>, right: &Arc<Image>) {
         let same = |[a, b]: &[Arc<Image>; 2]| Arc::ptr_eq(a, left) && Arc::ptr_eq(b, right);
         if pictures.images.as_ref().is_some_and(same) {
@@ -73,7 +73,7 @@ impl WindowPass {
         pictures.images = Some([left.clone(), right.clone()]);
     }
 
-    /// Draws `pictures` while rendering to the window is open.
+    /// Draws `pictures`; rendering to the window must have begun.
     pub fn draw(&self, draw: &Recorder<'_>, pictures: &WindowPictures, place: &PicturePlace) {
         draw.bind(&self.pipeline, &[&pictures.descriptors]);
         draw.push(&self.pipeline, bytemuck::bytes_of(place));
@@ -81,7 +81,7 @@ impl WindowPass {
     }
 }
 
-/// A set with two images for the fragment stage.
+/// Makes a set with two images for the fragment stage.
 pub(super) fn bindings(device: &Arc<Device>) -> Result<Descriptors> {
     Descriptors::new(device, "two pictures", &[Binding::texture(0), Binding::texture(1)])
 }

@@ -1,6 +1,6 @@
-//! Heights and spectra reduced to what a picture shows, and their distribution.
+//! Heights and spectra reduced to the resolution of a picture, and their distribution.
 
-use super::spectrum::SurfaceSpectrum;
+use super::height_spectrum::SurfaceSpectrum;
 use crate::surface::HeightField;
 
 /// Values on a grid, row by row from the top.
@@ -13,13 +13,13 @@ pub struct PlotGrid {
 }
 
 impl PlotGrid {
-    /// The heights of `field` \[nm\], averaged down until no side is longer than `most`.
+    /// Returns the heights of `field` \[nm\], averaged down until no side is longer than `most`.
     pub fn of_heights(field: &HeightField, most: usize) -> Self {
         reduced([field.columns(), field.rows()], most, |column, row| field.row(row)[column] * 1e3)
     }
 
-    /// The power density of `spectrum` \[nm² µm²\] over both halves, f from −`side` to `side` \[1/µm\] along both axes, averaged down until no side is
-    /// longer than `most`.
+    /// Returns the power density of `spectrum` \[nm² µm²\] over both halves, f from −`side` to `side` \[1/µm\] along both axes, averaged
+    /// down until no side is longer than `most`.
     pub fn of_power(spectrum: &SurfaceSpectrum, side: f64, most: usize) -> Self {
         let [columns, rows] = spectrum.samples;
         let cells = [0, 1].map(|axis| (2.0 * side * spectrum.patch[axis]).round().max(1.0) as usize);
@@ -32,7 +32,7 @@ impl PlotGrid {
         })
     }
 
-    /// The range of all values but the half percent at each end, so that dust does not take the colours.
+    /// Returns the range of all values but the half percent at each end, so that dust does not take the colours.
     pub fn core(&self) -> [f64; 2] {
         let mut sorted = self.values.clone();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -41,8 +41,8 @@ impl PlotGrid {
     }
 }
 
-/// How far a picture of a power spectrum reaches along each axis \[1/µm\]: as far as it is sampled, or as light of the wavelength `shortest` \[µm\] can
-/// see, |f| ≤ 2/λ, with room around.
+/// Returns the largest frequency in a picture of a power spectrum along each axis \[1/µm\]: the Nyquist frequency or, if smaller, the
+/// largest frequency that light of the wavelength `shortest` \[µm\] sees, |f| ≤ 2/λ, plus a margin of 10 %.
 pub fn side_of_power(spectrum: &SurfaceSpectrum, shortest: f64) -> f64 {
     let largest = [0, 1].map(|axis| spectrum.samples[axis] as f64 / 2.0 / spectrum.patch[axis]);
     largest[0].min(largest[1]).min(2.2 / shortest)
@@ -61,7 +61,8 @@ fn reduced(size: [usize; 2], most: usize, value: impl Fn(usize, usize) -> f64) -
     PlotGrid { size: [columns, rows], values: (0..columns * rows).map(mean).collect() }
 }
 
-/// The density of `values` in bins of `width` from `low` to `high`, at most four times `bins`, as the outline of a band: x, 0, density.
+/// Returns the density of `values` in bins of `width` from `low` to `high`, at most four times `bins`, as the outline of a band: x, 0,
+/// density.
 pub fn histogram(
     values: impl Iterator<Item = f64>,
     [low, high]: [f64; 2],

@@ -1,26 +1,26 @@
-//! Pictures that are the mean of samples, one sample after the other.
+//! Pictures that are the mean of samples, drawn one after the other.
 
-use super::{Content, Drawn, Finish, Painter, Picture, Written};
+use super::{Content, DrawRequest, FinalStep, GeometryInput, Picture, Renderer};
 use crate::error::Result;
 use crate::render::accumulate::Accumulation;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::{LightPass, SampleGroup};
 use crate::render::sampling::Sampling;
 
-/// What the samples in a sum are of.
+/// Settings of the samples in a sum.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Summed {
     pub view: View,
     pub sampling: Sampling,
     pub size: [u32; 2],
-    /// Samples in the sum, from the first on.
+    /// Number of samples in the sum, counted from the first.
     pub samples: u32,
 }
 
 impl Summed {
-    /// Its first pass, the `Frame` block of which has all that the display of the mean asks for.
-    pub fn first(&self) -> Written {
-        Written {
+    /// Returns the first pass, whose `Frame` block suffices for displaying the mean.
+    pub fn first(&self) -> GeometryInput {
+        GeometryInput {
             view: self.view.clone(),
             pass: LightPass::of_all(0, self.sampling.sample(0)),
             size: self.size,
@@ -28,12 +28,12 @@ impl Summed {
     }
 }
 
-impl Painter {
-    /// Draws all samples of `view`, shown as `shown` says, and reads the picture back. Tells `progress` how many are done; what it returns
-    /// as an error ends the picture.
+impl Renderer {
+    /// Draws all samples of `view`, displays them with the settings `shown` and reads the picture back. Calls
+    /// `progress` with the number of samples done; an error it returns ends the picture.
     ///
     /// # Errors
-    /// Where the device is lost or has no room for the sum, and what `progress` returns.
+    /// Fails if the device is lost or out of memory for the sum, or with the error of `progress`.
     pub fn paint_samples(
         &mut self,
         view: &View,
@@ -58,13 +58,13 @@ impl Painter {
         self.picture()
     }
 
-    /// Adds the next group of samples of `view`, with `size` pixels in the corner of the pictures, to those that were drawn of the same view, sampling
-    /// and size; where there are none, the first. The display shows the mean so far. Shades in tiles as [`Self::draw_while`] does. Returns
-    /// the number of samples in the mean, or `None` where `go_on` said no: then nothing is added, and the next call draws it anew. Once all samples are there, nothing
-    /// is drawn but the display.
+    /// Adds the next group of samples of `view`, with `size` pixels in the corner of the target, to the sum of the same
+    /// view, sampling and size, or starts a new sum. Displays the mean so far. Shades in tiles as [`Self::draw_while`]
+    /// does. Returns the number of samples in the mean, or `None` if `go_on` returned false: then nothing is added, and
+    /// the next call draws the group again. Once all samples are summed, only the display is drawn.
     ///
     /// # Errors
-    /// Where the device is lost or has no room for the sum.
+    /// Fails if the device is lost or out of memory for the sum.
     pub fn add_samples(
         &mut self,
         view: &View,
@@ -83,7 +83,7 @@ impl Painter {
         self.add(view, sampling, &group, Some(shown), size, go_on)
     }
 
-    /// Adds the next `group` as [`Self::add_samples`] does. The display keeps what it has unless the mean is to be `shown`.
+    /// Adds the next `group` as [`Self::add_samples`] does. Displays the mean if `shown` is given.
     fn add(
         &mut self,
         view: &View,
@@ -102,11 +102,11 @@ impl Painter {
         }
         let before = self.samples_of(view, sampling, size);
         if before == 0 {
-            // Until its first samples are there, the sum is of nothing.
-            self.forget();
+            // The sum is invalid until its first group is added.
+            self.invalidate();
         }
-        let drawn = Drawn { view, size, passes: &group.passes };
-        let finish = Finish::Add { before, samples: group.samples, shown };
+        let drawn = DrawRequest { view, size, passes: &group.passes };
+        let finish = FinalStep::Add { before, samples: group.samples, shown };
         if self.draw_tiles(drawn, finish, go_on)?.is_none() {
             return Ok(None);
         }
@@ -118,7 +118,7 @@ impl Painter {
         Ok(Some(samples))
     }
 
-    /// How many samples of `view` by `sampling` with `size` pixels are summed.
+    /// Returns the number of samples of `view` by `sampling` with `size` pixels in the sum.
     pub fn samples_of(&self, view: &View, sampling: &Sampling, size: [u32; 2]) -> u32 {
         let same = |s: &&Summed| (&s.view, &s.sampling, s.size) == (view, sampling, size);
         self.summed.as_ref().filter(same).map_or(0, |summed| summed.samples)

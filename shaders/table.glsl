@@ -1,0 +1,98 @@
+// Colour of a pair of directions from a colour table. Texels are coordinates in cubics over pieces of the range of |w|,
+// in mip levels that average over growing Gaussians in (u, v). The specular order is added separately. The CPU twin is
+// src/table/read.rs.
+//
+// The includer defines TEXELS, the parameters of the table in `source`, and three functions that read:
+//   vec4 table_texel(vec3 place, float level)   four coordinates at a texture coordinate and layer, linear between texels, 0 outside
+//   vec4 table_cubic(int column, int piece)     factors of 1, t, t^2 and t^3 of X, Y and Z of one coordinate after the other
+//   vec3 table_row(float place, int row)        XYZ of the specular order at `place`, 0 to 1; a row for each band, one for all bands, one for the mean R
+
+const int BANDS = 16;       // of wavelengths of the specular order
+const float LARGEST_W = 2.0;
+
+// Coordinates read at a position, of which the first TEXELS vectors are used.
+struct Numbers {
+    vec4 of_texel[3];
+};
+
+const Numbers NOTHING = Numbers(vec4[](vec4(0.0), vec4(0.0), vec4(0.0)));
+
+// Position in the range of |w|: the piece, and t from -1 to 1 in it.
+struct Piece {
+    int number;
+    float t;
+};
+
+Piece piece_of(float w) {
+    float place = w * (source.pieces / LARGEST_W);
+    float number = min(floor(place), source.pieces - 1.0);
+    return Piece(int(number), 2.0 * (place - number) - 1.0);
+}
+
+// Adds `weight` times the coordinates at `place`.
+void add_place(inout Numbers sum, float weight, vec3 place, float level) {
+    UNROLL for (int i = 0; i < TEXELS; ++i) {
+        sum.of_texel[i] += weight * table_texel(place + vec3(0.0, 0.0, float(i)), level);
+    }
+}
+
+// Returns XYZ over |w|^2 of coordinates in the basis of `piece`, in stored units.
+vec3 colour_of(Numbers numbers, Piece piece) {
+    vec4 powers = vec4(1.0, piece.t, piece.t * piece.t, piece.t * piece.t * piece.t);
+    vec3 sum = vec3(0.0);
+    UNROLL for (int i = 0; i < 4 * TEXELS; ++i) {
+        vec3 colour = vec3(dot(table_cubic(3 * i, piece.number), powers),
+                           dot(table_cubic(3 * i + 1, piece.number), powers),
+                           dot(table_cubic(3 * i + 2, piece.number), powers));
+        sum += numbers.of_texel[i >> 2][i & 3] * colour;
+    }
+    return sum;
+}
+
+// Returns the factor of f, including the mean R of a material at the pixel's directions.
+float table_factor(Pair pair) {
+    return table_row(pair.cos_half, BANDS + 1).r * pair.factor / (4.0 * PI);
+}
+
+// Returns the specular order: a Gaussian in (u, v) for each band of wavelengths.
+vec3 table_specular(Pair pair, Footprint footprint) {
+    vec3 c = covariance(footprint);
+    // Beyond this the widest lobe is negligible: exp(-0.5 * 40) of its peak.
+    const float NOWHERE = 40.0;
+    float widest = max(c.x, c.z) + source.variances[0].x;
+    bool seen = pair.factor > 0.0 && dot(pair.toward, pair.toward) < NOWHERE * widest;
+    int bands = seen ? BANDS : 0;
+    vec3 sum = vec3(0.0);
+    for (int band = 0; band < bands; ++band) {
+        float variance = source.variances[band >> 2][band & 3];
+        sum += table_row(pair.w / LARGEST_W, band) * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
+    }
+    return sum * table_factor(pair);
+}
+
+// Returns XYZ of f cos(theta_i) [1/sr] without the specular order, averaged over the footprint.
+vec3 table_scattered(Pair pair, Footprint footprint) {
+    vec3 c = covariance(footprint);
+    Ellipse ellipse = ellipse_of(c);
+    // A level averages over the shorter axis, as far as it is not wider, and taps over the rest.
+    float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
+    float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
+    float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
+    float next = level < source.last_level ? source.finest + (exp2(2.0 * level + 2.0) - 1.0) / source.per_growth : 0.0;
+    Taps taps = taps_of(ellipse, own, Levels(read, next, source.coherence));
+    Piece piece = piece_of(pair.w);
+    vec2 middle = pair.toward * source.texture_per_uv + 0.5;
+    float layer = float(TEXELS * piece.number);
+    Numbers average = NOTHING;
+    // Nothing is read if no light reaches the pixel.
+    int rows = pair.factor > 0.0 ? taps.rows : 0;
+    for (int number = 0; number < rows; ++number) {
+        Row row = row_of(taps, number);
+        vec2 step = row.step * source.texture_per_uv;
+        vec2 place = middle + row.aside * source.texture_per_uv;
+        for (float n = row.first; n < 0.5 - row.first; n += 1.0) {
+            add_place(average, row.weight * exp(-row.fall * n * n), vec3(place + n * step, layer), level + row.coarser);
+        }
+    }
+    return colour_of(average, piece) * (source.unit * pair.w * pair.w) * table_factor(pair);
+}

@@ -1,0 +1,138 @@
+//! `diffract export --html`: the words and the picture of the heights of a page.
+
+use crate::cli::captions;
+use crate::cli::surface::{describe, plot};
+use crate::error::{Error, Result};
+use crate::export::page::{self, PageBar, PageWords};
+use crate::export::{ExportedMaterial, MaterialDescription};
+use crate::figure::palette::{Color, ColorMap};
+use crate::optics::validity::ScalarTheory;
+use crate::output::{write_atomically, write_failed};
+use crate::render::shading::Shading;
+use crate::surface::statistics::plot_grid::PlotGrid;
+use crate::surface::{HeightField, Statistics, SurfaceSource};
+use image::{ExtendedColorType, ImageEncoder};
+use std::io::Write;
+use std::path::Path;
+
+/// Publications whose method the program follows.
+const CITATIONS: [&str; 3] = [
+    "J. Stam, Diffraction Shaders, SIGGRAPH 99, 101–110, 1999. doi:10.1145/311535.311546",
+    "M. Single, An Interactive Shader for Natural Diffraction Gratings, Bachelor’s thesis, University of Bern, 2014.",
+    "D. S. Dhillon, J. Teyssier, M. Single, I. Gaponenko, M. C. Milinkovitch and M. Zwicker, Interactive Diffraction from Biological Nanostructures, Computer Graphics Forum 33 (8), \
+     177–188, 2014. doi:10.1111/cgf.12425",
+];
+
+/// Longest side of the picture of the heights \[pixels\].
+const MOST_PIXELS: usize = 560;
+
+/// Surface of a page with the settings of its light.
+pub struct PageSubject<'a> {
+    /// Source of the heights.
+    pub source: &'a SurfaceSource,
+    /// Prepared heights.
+    pub field: &'a HeightField,
+    /// Light and material.
+    pub shading: &'a Shading,
+    /// Words for the illuminant.
+    pub illuminant: String,
+}
+
+/// Writes the page of `material`, which `description` describes, to `path`.
+pub fn write(
+    path: &Path,
+    subject: &PageSubject<'_>,
+    material: &ExportedMaterial,
+    description: &MaterialDescription,
+) -> Result<()> {
+    let grid = PlotGrid::of_heights(subject.field, MOST_PIXELS);
+    let range = grid.core();
+    let words = words(subject, description, range)?;
+    let text = page::write(material, &words, &relief(&grid, range)?).map_err(|e| e.at(path.display()))?;
+    write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, &e)))
+}
+
+/// Returns all texts of the page, where the colours of the heights have this `range` \[nm\].
+fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f64; 2]) -> Result<PageWords> {
+    let PageSubject { source, field, shading, illuminant } = subject;
+    let statistics = Statistics::of(field)?;
+    let theory = ScalarTheory::of_field(field, &shading.reflectance)?;
+    let lines = describe::lines(source, field, &statistics, &theory)?;
+    let named = |wanted: &str| {
+        let found = lines.iter().find(|(name, _)| *name == wanted);
+        found.map_or_else(String::new, |(_, value)| value.clone())
+    };
+    let fact = |name: &str, value: String| (name.to_owned(), value);
+    let name = Path::new(&source.name).file_name().unwrap_or(&source.name).to_string_lossy().into_owned();
+    let [width, height] = field.patch_size();
+    let bar = plot::scale_bar(width);
+    Ok(PageWords {
+        lead: format!(
+            "The colours that {} × {} heights on {width:.1} µm × {height:.1} µm give to light, computed by scalar wave optics and averaged over the coherence of the light and over \
+             each pixel.",
+            field.columns(),
+            field.rows(),
+        ),
+        facts: vec![
+            fact("Samples", typeset(&format!("{}, {} apart", named("samples"), named("spacing")))),
+            fact("Heights", format!("{}, RMS {:.1} nm", named("height range"), statistics.heights.sq * 1e3)),
+            fact("Dominant period", typeset(&named("dominant period"))),
+            fact("Light", format!("{illuminant}, coherence {}", captions::coherence(&shading.coherence))),
+            fact("Material", shading.reflectance.to_string()),
+        ],
+        more: lines.iter().map(|(name, value)| fact(name, typeset(value))).collect(),
+        trust: trust(description),
+        citations: CITATIONS.map(str::to_owned).to_vec(),
+        command: format!("{} --html page.html", description.command),
+        made: format!(
+            "Written by {}. The page holds everything that it shows and loads nothing.",
+            description.program
+        ),
+        heights: range.map(|nm| format!("{nm:.0} nm")),
+        bar: PageBar { text: format!("{bar} µm"), share: bar / width },
+        directions: description.errors.directions,
+        name,
+    })
+}
+
+/// Returns `text` with the signs for which a terminal has letters.
+fn typeset(text: &str) -> String {
+    text.replace(" um", " µm").replace(" deg", "°").replace("1/um", "1/µm").replace(" x ", " × ")
+}
+
+/// Returns what is known of the errors.
+fn trust(description: &MaterialDescription) -> Vec<String> {
+    let MaterialDescription { errors, smallest_footprint, scalar_theory, .. } = description;
+    vec![
+        format!(
+            "Colours of the table differ from the exact mean in {} random directions by {:.1} % of their root mean square.",
+            errors.directions,
+            100.0 * errors.relative_l2
+        ),
+        format!("Scalar theory: {scalar_theory}."),
+        format!(
+            "The table holds averages over standard deviations of (u, v) from {smallest_footprint:.3} on. A pixel that covers less is drawn as an average over that."
+        ),
+        "The matt layer and the shapes are the page’s own and are not measured.".to_owned(),
+    ]
+}
+
+/// Returns the heights in false colour as PNG.
+fn relief(grid: &PlotGrid, [low, high]: [f64; 2]) -> Result<Vec<u8>> {
+    let color = |value: &f64| {
+        let Color(rgb) = ColorMap::Viridis.at((value - low) / (high - low).max(f64::MIN_POSITIVE));
+        rgb
+    };
+    let pixels: Vec<u8> = grid.values.iter().flat_map(color).collect();
+    let [columns, rows] = grid.size.map(|n| n as u32);
+    let mut png = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut png)
+        .write_image(&pixels, columns, rows, ExtendedColorType::Rgb8)
+        .map_err(|e| {
+            Error::failed(
+                format!("the picture of the heights is no PNG ({e})"),
+                "report this as a bug of diffract",
+            )
+        })?;
+    Ok(png)
+}

@@ -1,0 +1,232 @@
+//! The function that reads an export, in GLSL: `material.glsl` for OpenGL and Vulkan, `material.es.glsl` for OpenGL ES 3.0 and WebGL 2.
+//!
+//! Both are put together from the shaders of this program, `shaders/table.glsl` and what it needs, with the numbers of the table as constants. Every name that they declare
+//! begins with `diffract`.
+
+use crate::table::{BANDS, TableHeader};
+use std::collections::BTreeSet;
+
+/// Language of a shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShaderLanguage {
+    /// GLSL 4.5, for OpenGL and Vulkan.
+    Glsl,
+    /// GLSL ES 3.0, for OpenGL ES and WebGL 2.
+    GlslEs,
+}
+
+/// Version and precision of each language.
+const GLSL: &str = "#version 450\n";
+const GLSL_ES: &str = "#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp sampler2DArray;
+";
+
+/// Shaders that the function consists of, each after what it needs.
+const PARTS: [&str; 6] = [
+    include_str!("../../shaders/export/access.glsl"),
+    include_str!("../../shaders/pair.glsl"),
+    include_str!("../../shaders/footprint.glsl"),
+    include_str!("../../shaders/table.glsl"),
+    include_str!("../../shaders/linear_srgb.glsl"),
+    include_str!("../../shaders/export/entry.glsl"),
+];
+
+/// Hint to unroll a loop, which needs an extension.
+const UNROLL: &str = "UNROLL ";
+
+/// Returns the shader that reads the table of `header`. Its last two functions are `diffract_uv` and `diffract_rgb`.
+pub fn write(header: &TableHeader, language: ShaderLanguage) -> String {
+    let prelude = match language {
+        ShaderLanguage::Glsl => GLSL,
+        ShaderLanguage::GlslEs => GLSL_ES,
+    };
+    let mut text = numbers(header);
+    for part in PARTS {
+        text.push('\n');
+        text.push_str(part);
+    }
+    let text = prefixed(&text.replace(UNROLL, ""));
+    let about = concat!(
+        "// Diffraction of a surface, written by diffract ",
+        env!("CARGO_PKG_VERSION"),
+        ". Call diffract_rgb, the last function below.\n// Textures: diffract_table is table.ktx2, diffract_functions is functions.ktx2.\n"
+    );
+    format!("{prelude}{about}\n{text}")
+}
+
+/// Returns the declarations of the numbers of a table.
+fn numbers(header: &TableHeader) -> String {
+    let grid = &header.grid;
+    let number = |x: f64| format!("{:?}", x as f32);
+    let variances: Vec<String> = header.specular.variances.iter().map(|x| number(*x)).collect();
+    let variances: Vec<String> =
+        variances.chunks(4).map(|four| format!("vec4({})", four.join(", "))).collect();
+    let values = [
+        number(0.5 / grid.extent),
+        number(header.coherence_blur),
+        number(header.unit),
+        number(grid.finest.powi(2)),
+        number(grid.growth.powi(-2)),
+        number(header.basis.pieces as f64),
+        number((grid.levels - 1) as f64),
+        format!("vec4[]({})", variances.join(", ")),
+    ];
+    format!(
+        "// Numbers of the table.
+struct Table {{
+    float texture_per_uv; // texture coordinate per unit of u
+    float coherence;      // variance of u that coherence averages over
+    float unit;           // what a stored 1 stands for [1/sr]
+    float finest;         // variance of u that the finest level averages over
+    float per_growth;     // 1 over the variance by which levels grow
+    float pieces;         // of the range of |w|
+    float last_level;
+    vec4 variances[{}];    // of u in each band of the specular order
+}};
+
+const Table source = Table({});
+
+const int TEXELS = {}; // that a direction reads at each place, of four coordinates each
+",
+        BANDS / 4,
+        values.join(", "),
+        header.basis.texels()
+    )
+}
+
+/// A piece of GLSL.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Token<'a> {
+    /// Identifier or keyword.
+    Word(&'a str),
+    /// Comment, line of the preprocessor, white space.
+    Blank(&'a str),
+    /// Anything else, such as a number or a sign.
+    Other(&'a str),
+}
+
+/// Cuts GLSL into tokens, which joined together are the text again.
+fn tokens(text: &str) -> Vec<Token<'_>> {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut found = Vec::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let end_of = |stop: &dyn Fn(char) -> bool| rest.find(stop).unwrap_or(rest.len());
+        let length = if rest.starts_with("//") || first == '#' {
+            end_of(&|c| c == '\n')
+        } else if first.is_whitespace() {
+            end_of(&|c| !c.is_whitespace())
+        } else if is_word(first) {
+            end_of(&|c| !is_word(c))
+        } else {
+            first.len_utf8()
+        };
+        let (piece, after) = rest.split_at(length);
+        found.push(if rest.starts_with("//") || first == '#' || first.is_whitespace() {
+            Token::Blank(piece)
+        } else if is_word(first) && !first.is_ascii_digit() {
+            Token::Word(piece)
+        } else {
+            Token::Other(piece)
+        });
+        rest = after;
+    }
+    found
+}
+
+/// Returns the names that `tokens` without blanks declare outside of braces and parentheses.
+fn declared<'a>(tokens: &[Token<'a>]) -> BTreeSet<&'a str> {
+    let mut depth = 0;
+    let mut names = BTreeSet::new();
+    for (i, token) in tokens.iter().enumerate() {
+        match *token {
+            Token::Other("(" | "{" | "[") => depth += 1,
+            Token::Other(")" | "}" | "]") => depth -= 1,
+            Token::Word(name) if depth == 0 => {
+                let follows_type = i > 0 && matches!(tokens[i - 1], Token::Word(_));
+                let ends = matches!(tokens.get(i + 1), Some(Token::Other("(" | "=" | ";" | "{")));
+                if follows_type && ends {
+                    names.insert(name);
+                }
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+/// Gives every name that `text` declares a prefix, but for members of structures and for variables of functions.
+fn prefixed(text: &str) -> String {
+    let all = tokens(text);
+    let dense: Vec<Token<'_>> = all.iter().copied().filter(|t| !matches!(t, Token::Blank(_))).collect();
+    let names = declared(&dense);
+    let mut result = String::with_capacity(text.len() * 5 / 4);
+    let (mut place, mut in_struct) = (0, false);
+    for token in all {
+        match token {
+            Token::Blank(piece) => {
+                result.push_str(piece);
+                continue;
+            }
+            Token::Word(name) if names.contains(name) => {
+                let after_dot = place > 0 && dense[place - 1] == Token::Other(".");
+                let member = in_struct && matches!(dense.get(place + 1), Some(Token::Other(";" | "[")));
+                result.push_str(&if after_dot || member { name.to_owned() } else { renamed(name) });
+            }
+            Token::Word(piece) | Token::Other(piece) => result.push_str(piece),
+        }
+        in_struct = token == Token::Word("struct") || in_struct && token != Token::Other("}");
+        place += 1;
+    }
+    result
+}
+
+/// Returns `name` with a prefix in its own style.
+fn renamed(name: &str) -> String {
+    if name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_') {
+        format!("DIFFRACT_{name}")
+    } else if name.starts_with(|c: char| c.is_ascii_uppercase()) {
+        format!("Diffract{name}")
+    } else {
+        format!("diffract_{name}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::conformance::tests::small_table;
+
+    #[test]
+    fn names_of_the_outermost_scope_get_a_prefix_and_no_others() {
+        let text = "// f of Ab\nconst float PI = 3.0;\nstruct Ab { float f; Bc f2; };\nfloat f(Ab a) {\n    float g = a.f; // f\n    return PI * f(a) + mat3(g);\n}\n";
+        let expected = "// f of Ab\nconst float DIFFRACT_PI = 3.0;\nstruct DiffractAb { float f; Bc f2; };\nfloat diffract_f(DiffractAb a) {\n    float g = a.f; // f\n    return DIFFRACT_PI * diffract_f(a) + mat3(g);\n}\n";
+        assert_eq!(prefixed(text), expected);
+    }
+
+    #[test]
+    fn shaders_of_both_languages_differ_in_their_prelude_alone_and_declare_prefixed_names() {
+        let (_, table) = small_table();
+        let glsl = write(&table.header, ShaderLanguage::Glsl);
+        let es = write(&table.header, ShaderLanguage::GlslEs);
+        assert_eq!(glsl.strip_prefix(GLSL).unwrap(), es.strip_prefix(GLSL_ES).unwrap());
+        let found = tokens(&glsl);
+        let dense: Vec<_> = found.into_iter().filter(|t| !matches!(t, Token::Blank(_))).collect();
+        let names = declared(&dense);
+        for name in ["diffract_rgb", "diffract_uv", "diffract_table", "diffract_functions", "DiffractPair"] {
+            assert!(names.contains(name), "{name} in {names:?}");
+        }
+        assert!(names.iter().all(|name| name.to_lowercase().starts_with("diffract")), "{names:?}");
+        assert!(!glsl.contains("UNROLL") && !glsl.contains("#include") && !glsl.contains("constant_id"));
+    }
+
+    #[test]
+    fn the_place_of_the_cubics_is_that_of_the_functions() {
+        let access = PARTS[0];
+        assert!(access.contains(&format!("const int FIRST_CUBIC = {};", BANDS + 2)));
+        assert!(access.contains(&format!("const float COLUMNS = {}.0;", crate::table::SPECULAR_SAMPLES)));
+    }
+}
