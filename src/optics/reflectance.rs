@@ -323,11 +323,16 @@ impl MeanReflectance {
     /// Number of equal steps of the cosine of the half angle over 0 … 1.
     pub const STEPS: usize = 512;
 
-    /// Returns the mean of `reflectance`.
+    /// Returns the mean of `reflectance`, or for TM light the mean plus half of that at normal incidence. TM light has no reflection at Brewster's angle, which
+    /// depends on the wavelength, so that R over its mean would be no smooth function of the angle there.
     pub fn new(reflectance: &Reflectance) -> Self {
         /// Smallest mean, because tables divide by it.
         const LEAST: f64 = 1e-3;
-        let at = |i: usize| reflectance.luminous(i as f64 / Self::STEPS as f64).max(LEAST) as f32;
+        let offset = match reflectance.polarisation() {
+            Polarisation::Tm => 0.5 * reflectance.luminous_normal(),
+            Polarisation::None | Polarisation::Te => 0.0,
+        };
+        let at = |i: usize| (reflectance.luminous(i as f64 / Self::STEPS as f64) + offset).max(LEAST) as f32;
         Self((0..=Self::STEPS).map(at).collect())
     }
 
@@ -341,7 +346,7 @@ impl MeanReflectance {
 
     /// Returns true if the values can have been made by [`Self::new`].
     pub fn is_sound(&self) -> bool {
-        self.0.len() == Self::STEPS + 1 && self.0.iter().all(|r| *r > 0.0 && *r <= 1.001)
+        self.0.len() == Self::STEPS + 1 && self.0.iter().all(|r| *r > 0.0 && *r <= 1.501)
     }
 }
 
