@@ -18,7 +18,7 @@ const DOCUMENT: &str = include_str!("../../assets/export/page.html");
 const STYLE: &str = include_str!("../../assets/export/page.css");
 const SCRIPT: &str = include_str!("../../assets/export/page.js");
 const SCENE: &str = include_str!("../../assets/export/scene.glsl");
-/// How colours are displayed. The function that it includes is not used.
+/// Source of the display of colours. The function that it includes is not used.
 const DISPLAY: &str = include_str!("../../shaders/color.glsl");
 
 /// Texts of a page.
