@@ -127,7 +127,8 @@ fn pictures_of_the_book_are_small_and_each_is_shown() {
     assert!(sum <= MOST_BYTES, "the pictures take {sum} bytes");
 }
 
-#[cfg(feature = "vulkan")]
+// The reference of commands is that of a program with a window.
+#[cfg(feature = "viewer")]
 mod commands {
     use std::path::Path;
     use std::process::{Command, Output};
