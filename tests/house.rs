@@ -228,7 +228,9 @@ fn graph() -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
 fn comments_begin_with_a_verb_or_a_noun() {
     const AVOIDED: [&str; 7] = ["What", "Where", "Whether", "How", "Which", "Of", "As"];
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let shaders = std::fs::read_dir(root.join("shaders")).unwrap().map(|entry| entry.unwrap().path());
+    let in_folder =
+        |name: &str| std::fs::read_dir(root.join(name)).unwrap().map(|entry| entry.unwrap().path());
+    let shaders = ["shaders", "shaders/export", "assets/export"].into_iter().flat_map(in_folder);
     let files =
         sources().into_iter().map(|file| root.join("src").join(file)).chain(shaders.filter(|p| p.is_file()));
     let mut wrong = Vec::new();

@@ -1,4 +1,4 @@
-// What the page shows: a shape under one light, the hemisphere of viewers, or the colours of listed directions. The page puts material.es.glsl and
+// Pictures of the page: a shape under one light, the hemisphere of viewers, or the colours of listed directions. The page puts material.es.glsl and
 // color.glsl before it.
 
 const int SHAPE_SPHERE = 0, SHAPE_DISC = 1, SHAPE_PLATE = 2;
@@ -104,7 +104,7 @@ Question on_shape(vec2 pixel) {
     vec2 uv = diffract_uv(q.light, q.viewer, mat3(1.0));
     q.dx = FILTER * (diffract_uv(to_light * right.frame, to_right, mat3(1.0)) - uv);
     q.dy = FILTER * (diffract_uv(to_light * above.frame, to_above, mat3(1.0)) - uv);
-    // Where the surface turns away within the pixel, the cosine is that of the part of the pixel that is averaged over.
+    // At a silhouette the cosine is at least its change within the pixel, because the pixel averages over the visible part.
     float turn = FILTER * length(vec2(to_right.z - q.viewer.z, to_above.z - q.viewer.z));
     q.viewer.z = max(q.viewer.z, min(turn, 1.0));
     float change = length(vec2(right.outside - here.outside, above.outside - here.outside));

@@ -3,6 +3,7 @@
 mod page;
 
 use self::page::PageSubject;
+use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
 use super::{captions, prepare, write};
 use crate::error::{Error, Remedy, Result};
@@ -92,20 +93,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let field = source.prepare(arguments.surface.read(&source)?.into_field()?)?;
     let shading = arguments.optics.shading(&arguments.colour, &field)?;
     setup::check(&Settings::new(Method::Table, shading.clone()))?;
-    let sigma = shading
-        .coherence
-        .sigma()
-        .ok_or_else(|| Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence))?;
-    let settings = ExportSettings {
-        sigma,
-        beyond: shading.beyond,
-        illuminant: shading.illuminant.clone(),
-        reflectance: shading.reflectance.clone(),
-        tolerance: shading.tolerance,
-        wavelengths: shading.wavelengths,
-        footprint: arguments.footprint,
-        most_bytes,
-    };
+    let settings = ExportSettings { most_bytes, ..export_settings(&shading, arguments.footprint)? };
     prepare::warn_of_coarse_samples(&field, SHORTEST);
     let bar = prepare::progress_bar("orders");
     let material =

@@ -1,13 +1,34 @@
-//! The table of an export in the place of one that is baked.
+//! Settings of an export, and its table in the place of one that is baked.
 
 use crate::error::{Error, Remedy, Result};
 use crate::export::{ExportReader, ExportSettings, MaterialDescription};
+use crate::render::shading::Shading;
 use crate::render::source::{Source, Table};
 use crate::setup::{self, Method, Settings};
 use crate::surface::HeightField;
 use crate::table::ColorTable;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Returns the settings of an export for `shading` and footprints from `footprint` on, a standard deviation of (u, v).
+///
+/// # Errors
+/// Fails if the coherence is not Gaussian.
+pub fn export_settings(shading: &Shading, footprint: f64) -> Result<ExportSettings> {
+    let sigma = shading.coherence.sigma();
+    Ok(ExportSettings {
+        sigma: sigma.ok_or_else(|| {
+            Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence)
+        })?,
+        beyond: shading.beyond,
+        illuminant: shading.illuminant.clone(),
+        reflectance: shading.reflectance.clone(),
+        tolerance: shading.tolerance,
+        wavelengths: shading.wavelengths,
+        footprint,
+        most_bytes: None,
+    })
+}
 
 /// Table of an export.
 pub struct ExportedTable {
@@ -20,7 +41,7 @@ impl ExportedTable {
     /// Reads the export in `folder`.
     ///
     /// # Errors
-    /// An export that is truncated, damaged or of a newer version.
+    /// Fails for an export that is truncated, damaged or of a newer version.
     pub fn open(folder: &Path) -> Result<Self> {
         let reader = ExportReader::open(folder)?;
         let table = Arc::new(reader.table()?);
@@ -30,26 +51,13 @@ impl ExportedTable {
     /// Returns the table as the source of `field` under `settings`.
     ///
     /// # Errors
-    /// Settings that are not those of the export.
+    /// Fails for settings that are not those of the export.
     pub fn source(&self, field: &HeightField, settings: &Settings) -> Result<Source> {
         setup::check(settings)?;
         if settings.method != Method::Table {
             return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
         }
-        let shading = &settings.shading;
-        let sigma = shading.coherence.sigma().ok_or_else(|| {
-            Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence)
-        })?;
-        let asked = ExportSettings {
-            sigma,
-            beyond: shading.beyond,
-            illuminant: shading.illuminant.clone(),
-            reflectance: shading.reflectance.clone(),
-            tolerance: shading.tolerance,
-            wavelengths: shading.wavelengths,
-            footprint: settings.footprints.shorter,
-            most_bytes: None,
-        };
+        let asked = export_settings(&settings.shading, settings.footprints.shorter)?;
         self.description.check(field, &asked).map_err(|e| e.at(self.folder.display()))?;
         Ok(Source::Table(Table { table: self.table.clone() }))
     }

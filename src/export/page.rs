@@ -57,11 +57,11 @@ pub struct PageBar {
     pub share: f64,
 }
 
-/// Returns the page of `material`. `relief` is a picture of the heights as PNG.
+/// Returns the page of `material`. `relief` is a picture of the heights, a PNG in base64.
 ///
 /// # Errors
 /// More bytes than [`MOST_PAGE_BYTES`].
-pub fn write(material: &ExportedMaterial, words: &PageWords, relief: &[u8]) -> Result<String> {
+pub fn write(material: &ExportedMaterial, words: &PageWords, relief: &str) -> Result<String> {
     let header = &material.table.header;
     // Inside of a script element, a tag would end it.
     let about = serde_json::to_string(words).unwrap_or_default().replace('<', "\\u003c");
@@ -76,7 +76,7 @@ pub fn write(material: &ExportedMaterial, words: &PageWords, relief: &[u8]) -> R
         &[
             ("title", &escaped(&words.name)),
             ("style", STYLE),
-            ("heights", &format!("data:image/png;base64,{}", BASE64_STANDARD.encode(relief))),
+            ("heights", &format!("data:image/png;base64,{relief}")),
             ("about", &about),
             ("texels", &BASE64_STANDARD.encode(ktx2::write(&material.table))),
             ("functions", &BASE64_STANDARD.encode(ktx2::write_functions(header))),
@@ -147,7 +147,7 @@ mod tests {
     fn a_page_has_all_its_parts_and_names_cannot_become_parts_of_it() {
         let (conformance, table) = small_table();
         let material = ExportedMaterial { table, conformance };
-        let page = write(&material, &words(), b"PNG").unwrap();
+        let page = write(&material, &words(), "PNG").unwrap();
         assert!(page.contains("<h1 id=\"name\">a &lt;b&gt; &amp; {{texels}}</h1>"));
         assert_eq!(page.matches("</script>").count(), page.matches("<script").count());
         assert!(page.contains("\\u003c/script>\\u003cb>") && !page.contains("<b>"));
@@ -164,7 +164,7 @@ mod tests {
     fn a_page_of_too_many_bytes_is_refused() {
         let (conformance, table) = small_table();
         let material = ExportedMaterial { table, conformance };
-        let relief = vec![0; MOST_PAGE_BYTES];
+        let relief = "A".repeat(MOST_PAGE_BYTES);
         let e = write(&material, &words(), &relief).unwrap_err().to_string();
         assert!(e.contains("fewer bytes"), "{e}");
     }

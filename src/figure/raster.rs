@@ -71,7 +71,10 @@ impl Raster {
     }
 
     /// Encodes the raster as PNG in base64.
-    pub(super) fn png(&self) -> Result<String> {
+    ///
+    /// # Errors
+    /// Fails for more pixels than a PNG holds.
+    pub fn png(&self) -> Result<String> {
         let [columns, rows] = self.size;
         let bytes = &bytemuck::cast_slice::<[u8; 4], u8>(&self.pixels)[..columns * rows * 4];
         let mut png = Vec::new();

@@ -244,7 +244,7 @@ impl Renderer {
         if let Some(accumulation) = &mut self.accumulation {
             accumulation.resize(&self.device, &self.target)?;
         }
-        self.point_around();
+        self.bind_background();
         Ok(())
     }
 
@@ -307,9 +307,9 @@ impl Renderer {
     /// picture.
     fn bind_environment(&mut self, view: &View) -> Result<f32> {
         let known = self.shadings.iter().any(|shading| shading.specular_spread.is_some());
-        let around = view.environment.as_ref().filter(|_| known);
-        self.find_by(GeometrySettings {
-            mirrored: around.is_some(),
+        let mirrored = view.environment.as_ref().filter(|_| known);
+        self.use_geometry(GeometrySettings {
+            mirrored: mirrored.is_some(),
             lamps: view.has_lamps(),
             ..self.geometry.settings
         })?;
@@ -317,9 +317,9 @@ impl Renderer {
         if shown.is_some() && self.background.is_none() {
             let depth_format = self.geometry.settings.depth_format();
             self.background = Some(BackgroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
-            self.point_around();
+            self.bind_background();
         }
-        let Some(environment) = around.or(shown) else { return Ok(0.0) };
+        let Some(environment) = mirrored.or(shown) else { return Ok(0.0) };
         let Some((first, others)) = self.objects.split_first_mut() else { return Ok(0.0) };
         let unit = first.frame.bind_environment(&self.device, environment)?;
         others.iter_mut().for_each(|object| object.frame.share_surroundings(&first.frame));
@@ -327,15 +327,15 @@ impl Renderer {
     }
 
     /// Points the background pass at the foreground it draws behind.
-    fn point_around(&self) {
-        if let Some(around) = &self.background {
+    fn bind_background(&self) {
+        if let Some(background) = &self.background {
             let sum =
                 self.accumulation.as_ref().map_or(&self.target.radiance, |accumulation| &accumulation.sum);
-            around.read_from(sum);
+            background.read_from(sum);
         }
     }
 
-    fn find_by(&mut self, settings: GeometrySettings) -> Result<()> {
+    fn use_geometry(&mut self, settings: GeometrySettings) -> Result<()> {
         if settings == self.geometry.settings {
             return Ok(());
         }

@@ -113,7 +113,7 @@ fn the_port_to_python_gives_the_colours_of_the_table() {
     assert!(line.starts_with("right: "), "{line}");
 }
 
-/// The page of [`EXPORT`] for footprints from `footprint` on, which the sandbox then holds.
+/// Writes the page of [`EXPORT`] for footprints from `footprint` on into the sandbox and returns it.
 fn page(sandbox: &Sandbox, footprint: &str) -> String {
     let arguments = EXPORT.map(|word| match word {
         "-o" => "--html",
@@ -157,7 +157,7 @@ fn a_page_is_one_file_that_loads_nothing() {
     assert_eq!(sandbox.content(), before);
 }
 
-/// What Chromium makes of a page: the document after its scripts ran, and the lines of its log.
+/// Opens a page in Chromium. Returns the document after its scripts ran, and the log.
 fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
     let profile = sandbox.path("profile");
     let run = Command::new("chromium")
@@ -183,12 +183,12 @@ fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
     (String::from_utf8_lossy(&run.stdout).into_owned(), String::from_utf8_lossy(&run.stderr).into_owned())
 }
 
-/// What a page notes in its document under `name`.
+/// Returns the value that a page wrote into its document under `name`.
 fn noted<'a>(document: &'a str, name: &str) -> Option<&'a str> {
     Some(document.split_once(&format!("data-{name}=\""))?.1.split_once('"')?.0)
 }
 
-/// The deviation that a page measured, if it did.
+/// Returns the deviation that a page measured; `None` if it did not.
 fn measured_deviation(document: &str) -> Option<f64> {
     noted(document, "deviation")?.parse().ok()
 }

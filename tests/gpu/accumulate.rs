@@ -5,7 +5,6 @@ use crate::evaluation::{layers, patch, shading, window};
 use diffract::optics::color::Tone;
 use diffract::render::footprints::{Distribution, median_pixel_area};
 use diffract::render::frame::{Shown, View};
-use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::displayed;
 use diffract::render::renderer::{Picture, Renderer};
 use diffract::render::sampling::{PixelWeights, Sample, Sampling};
@@ -21,8 +20,7 @@ const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 fn renderer(device: &Arc<Device>, scene: &Scene) -> Renderer {
     let shading = shading(4.0, 1e-1);
     let layers = layers(&patch(SurfaceKind::Flat, 2.0), &shading);
-    crate::renderer(device, &window(&layers), &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-        .unwrap()
+    crate::renderer_of(device, scene, &window(&layers), &shading, SIZE).unwrap()
 }
 
 fn view(scene: &Scene) -> View {

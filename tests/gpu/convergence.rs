@@ -6,7 +6,6 @@ use crate::mean::{shading, source};
 use crate::measure::colours;
 use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
-use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Light, Scene};
 use diffract::setup::Method;
@@ -56,10 +55,7 @@ fn many_samples_show_what_many_more_pixels_show() {
         let sizes =
             footprints::sizes(device, &scene.main_object().mesh, views, fine, &Sampling::ONE).unwrap();
         let source = source(device, &field, &shading, Method::Table, sizes);
-        let renderer = |size| {
-            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
-                .unwrap()
-        };
+        let renderer = |size| crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
         let exact = renderer(fine).paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let exact = supersampled(&exact.radiance);
         let mut small = renderer(SIZE);

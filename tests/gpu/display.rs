@@ -4,7 +4,6 @@ use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading, window};
 use diffract::optics::color::{Tone, display, display_over};
 use diffract::render::frame::{Shown, View};
-use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::Scene;
 use diffract::surface::synth::SurfaceKind;
@@ -21,15 +20,7 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
     let background = DVec3::new(0.1, 0.2, 0.3);
     with_device(|device| {
         let layers = layers(&field, &shading);
-        let mut renderer = crate::renderer(
-            device,
-            &window(&layers),
-            &shading,
-            &scene.main_object().mesh,
-            &Pigment::white(),
-            SIZE,
-        )
-        .unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, SIZE).unwrap();
         let shows = |exposure, tone| Shown { exposure, tone, background };
         let one = Sampling::ONE.sample(0);
         for (exposure, tone) in

@@ -13,7 +13,6 @@ use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::{Shown, View};
-use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed, reference_picture};
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
@@ -316,15 +315,7 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
             };
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let source = grating(&layers, copies, &field);
-            let mut renderer = crate::renderer(
-                device,
-                &source,
-                &shading,
-                &scene.main_object().mesh,
-                &Pigment::white(),
-                size,
-            )
-            .unwrap();
+            let mut renderer = crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
             let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
             let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
@@ -482,15 +473,7 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
                 .map(|[theta, phi]| Light::point(theta, phi, 1.0));
             let mut view = View::of(&scene, lights.to_vec());
             let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
-            let mut renderer = crate::renderer(
-                device,
-                &window(&layers),
-                &shading,
-                &scene.main_object().mesh,
-                &Pigment::white(),
-                size,
-            )
-            .unwrap();
+            let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, size).unwrap();
             for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
                 view.camera = diffract::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
                 for exposure in [-40.0, 0.0, 40.0] {

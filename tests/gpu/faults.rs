@@ -51,8 +51,7 @@ fn view(scene: &Scene) -> View {
 }
 
 fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene) -> Result<Picture> {
-    let mut renderer =
-        crate::renderer(device, source, shading, &scene.main_object().mesh, &Pigment::white(), [16, 12])?;
+    let mut renderer = crate::renderer_of(device, scene, source, shading, [16, 12])?;
     renderer.paint(&view(scene), 0.0, DVec3::ZERO)
 }
 
@@ -162,15 +161,7 @@ fn a_painter_that_could_not_grow_still_paints() {
     let scene = Scene::open("plate").unwrap();
     let view = view(&scene);
     with_device(|device| {
-        let mut renderer = crate::renderer(
-            device,
-            &window(&layers),
-            &shading,
-            &scene.main_object().mesh,
-            &Pigment::white(),
-            [16, 12],
-        )
-        .unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, [16, 12]).unwrap();
         let before = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
         for n in 1.. {
             device.refuse_allocation(n);
@@ -199,14 +190,7 @@ fn a_budget_of_memory_holds() {
     let scene = Scene::open("plate").unwrap();
     paint(&device, &window(&layers), &shading, &scene).unwrap();
     // 4096² pixels of geometry alone take four times as much.
-    let large = crate::renderer(
-        &device,
-        &window(&layers),
-        &shading,
-        &scene.main_object().mesh,
-        &Pigment::white(),
-        [4096, 4096],
-    );
+    let large = crate::renderer_of(&device, &scene, &window(&layers), &shading, [4096, 4096]);
     let error = large.err().expect("more than the budget");
     assert!(error.to_string().contains("no memory for the"), "{error}");
     assert!(error.remedies().contains(&Remedy::SmallerPicture), "{error}");

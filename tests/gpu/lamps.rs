@@ -162,17 +162,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
     let shading = shading(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
-        let new = |source: &Source| {
-            crate::renderer(
-                device,
-                source,
-                &shading,
-                &scene.main_object().mesh,
-                &Pigment::white(),
-                [160, 120],
-            )
-            .unwrap()
-        };
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, [160, 120]).unwrap();
         let mut found = new(&probe);
         found.ask_for_footprints().unwrap();
         let sample = Sampling { count: 16, seed: 3 }.sample(6);
@@ -203,9 +193,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     let size = [160, 120];
     let shown = Shown { exposure: -1.0, tone: Tone::Neutral, background: DVec3::ZERO };
     with_device(|device| {
-        let mut renderer =
-            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
-                .unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
         for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
             let picture = renderer.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();

@@ -64,9 +64,7 @@ fn radiance(
 ) -> Vec<DVec3> {
     const SIZE: [u32; 2] = [12, 12];
     let source = source(device, field, shading, Method::Table, FootprintSizes::default());
-    let mut renderer =
-        crate::renderer(device, &source, shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-            .unwrap();
+    let mut renderer = crate::renderer_of(device, scene, &source, shading, SIZE).unwrap();
     let mean = |sampling: &Sampling| {
         let picture = renderer.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
         let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
@@ -399,9 +397,7 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
         const SIZE: [u32; 2] = [160, 90];
         let sizes = FootprintSizes { shorter: 0.01, longer: 0.03 };
         let source = source(device, &field, &shading, Method::Table, sizes);
-        let mut renderer =
-            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-                .unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
         let [few, more, most] = [16, 64, 256].map(|count| {
             let sampling = Sampling { count, seed: 1 };
             renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance

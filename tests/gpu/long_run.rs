@@ -4,7 +4,6 @@ use crate::device::with_device;
 use crate::evaluation::{layers, patch, shading, window};
 use diffract::figure::{Axis, Figure, Mark, Panel, palette};
 use diffract::render::frame::View;
-use diffract::render::pigment::Pigment;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -38,15 +37,7 @@ fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
     let scene = Scene::open("plate").unwrap();
     let mut view = View::of(&scene, vec![Light::point(40.0, 0.0, 1.0)]);
-    let mut renderer = crate::renderer(
-        device,
-        &window(&layers),
-        &shading,
-        &scene.main_object().mesh,
-        &Pigment::white(),
-        [16, 12],
-    )
-    .unwrap();
+    let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, [16, 12]).unwrap();
     let mut samples = Vec::with_capacity(looks + 1);
     for frame in 0..=frames {
         view.lights[0] = Light::point(40.0, (frame % 360) as f64, 1.0);

@@ -40,7 +40,7 @@ use diffract::render::pigment::Pigment;
 use diffract::render::renderer::Renderer;
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
-use diffract::scene::Mesh;
+use diffract::scene::{Mesh, Scene};
 use diffract::vk::device::Device;
 use std::sync::Arc;
 
@@ -55,4 +55,15 @@ fn renderer(
 ) -> Result<Renderer> {
     let sources = ObjectSources::new(source.clone(), shading.clone());
     Renderer::new(device, &[ObjectData::new(mesh, pigment, &sources)], size)
+}
+
+/// Returns a renderer of the main object of `scene`, without pigment.
+fn renderer_of(
+    device: &Arc<Device>,
+    scene: &Scene,
+    source: &Source,
+    shading: &Shading,
+    size: [u32; 2],
+) -> Result<Renderer> {
+    renderer(device, source, shading, &scene.main_object().mesh, &Pigment::white(), size)
 }

@@ -231,15 +231,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
             let seen = directions(device, &scene, &view);
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
             let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-            let mut renderer = crate::renderer(
-                device,
-                &source,
-                &shading,
-                &scene.main_object().mesh,
-                &Pigment::white(),
-                SIZE,
-            )
-            .unwrap();
+            let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
             let found = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
@@ -258,10 +250,7 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     let shown = Shown::plain(0.0, DVec3::ZERO);
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
-        let new = |source: &Source| {
-            crate::renderer(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-                .unwrap()
-        };
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, SIZE).unwrap();
         let mut directions = new(&probe);
         directions.ask_for_footprints().unwrap();
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);

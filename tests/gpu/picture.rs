@@ -27,15 +27,7 @@ fn paint(
     view: &View,
 ) -> (Picture, Vec<Directions>) {
     let layers = layers(field, shading);
-    let mut renderer = crate::renderer(
-        device,
-        &window(&layers),
-        shading,
-        &scene.main_object().mesh,
-        &Pigment::white(),
-        SIZE,
-    )
-    .unwrap();
+    let mut renderer = crate::renderer_of(device, scene, &window(&layers), shading, SIZE).unwrap();
     let picture = renderer.paint(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..view.lights.len()).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)

@@ -11,7 +11,6 @@ use diffract::optics::reflectance::Reflectance;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
-use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
@@ -55,10 +54,7 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     .for_pictures();
     let mut error = 0.0;
     with_device(|device| {
-        let new = |source: &Source| {
-            crate::renderer(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
-                .unwrap()
-        };
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, size).unwrap();
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         found.ask_for_footprints().unwrap();
         let sample = sampling.sample(0);
@@ -163,10 +159,7 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
     let source = window(&layers(&field, &shading));
     let size = [24, 18];
     with_device(|device| {
-        let new = |source: &Source| {
-            crate::renderer(device, source, &shading, &scene.main_object().mesh, &Pigment::white(), size)
-                .unwrap()
-        };
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, size).unwrap();
         let sample = Sampling::ONE.sample(0);
         let mut renderer = new(&source);
         renderer.draw_sample(&view, &sample, SHOWN).unwrap();

@@ -7,7 +7,6 @@ use crate::measure::channel;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::spectrum::SHORTEST;
 use diffract::render::frame::View;
-use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::shading::Shading;
 use diffract::render::source::{Source, Thesis};
@@ -33,15 +32,7 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
                     Shading { coherence, windows: Windows::ONE, ..Shading::default() }.for_pictures();
                 let layers = Arc::new(thesis::layers(&field, length / 4.0, SHORTEST).unwrap());
                 let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
-                let mut renderer = crate::renderer(
-                    device,
-                    &source,
-                    &shading,
-                    &scene.main_object().mesh,
-                    &Pigment::white(),
-                    SIZE,
-                )
-                .unwrap();
+                let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
                 let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
                 let directions = [renderer.directions(&view, 0).unwrap()];
                 let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();

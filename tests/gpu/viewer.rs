@@ -7,7 +7,6 @@ use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
 use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
-use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_pixels;
 use diffract::render::renderer::Renderer;
 use diffract::render::shading::Shading;
@@ -26,8 +25,7 @@ const SIZE: [u32; 2] = [96, 72];
 fn renderer(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Renderer {
     let (field, shading) = (patch(SurfaceKind::Elaphe, 6.0), shading(8.0, 1e-1));
     let layers = layers(&field, &shading);
-    crate::renderer(device, &window(&layers), &shading, &scene.main_object().mesh, &Pigment::white(), size)
-        .unwrap()
+    crate::renderer_of(device, scene, &window(&layers), &shading, size).unwrap()
 }
 
 fn view(scene: &Scene, intensity: f64) -> View {
@@ -47,8 +45,7 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
     let dense = Shading { reflectance: 2.4.into(), ..before.clone() };
     with_device(|device| {
         let new = |source: &Source, shading: &Shading| {
-            crate::renderer(device, source, shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-                .unwrap()
+            crate::renderer_of(device, &scene, source, shading, SIZE).unwrap()
         };
         let cases = [
             (window(&layers), window(&layers), &lit),
@@ -89,9 +86,7 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
     let shading = Shading { windows: Windows::All, ..shading(16.0, 2e-2) }.for_pictures();
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut renderer =
-            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-                .unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
         renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
         let ProbeSamples { radiance, directions } = samples(&mut renderer, &view).unwrap();
         let pixels: Vec<usize> = (0..radiance.len()).collect();
@@ -113,9 +108,7 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
     let shading = Shading { windows: Windows::All, ..shading(16.0, 1e-1) }.for_pictures();
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut renderer =
-            crate::renderer(device, &source, &shading, &scene.main_object().mesh, &Pigment::white(), SIZE)
-                .unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
         assert!(renderer.pixel(&view, [48, 36]).unwrap().is_none(), "nothing is drawn yet");
         let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
         let lights: Vec<_> = (0..2).map(|light| renderer.directions(&view, light).unwrap()).collect();
@@ -154,15 +147,7 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
             let sigma = shading.coherence.sigma().unwrap();
             let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
-            let mut renderer = crate::renderer(
-                device,
-                &window(&layers),
-                shading,
-                &scene.main_object().mesh,
-                &Pigment::white(),
-                SIZE,
-            )
-            .unwrap();
+            let mut renderer = crate::renderer_of(device, &scene, &window(&layers), shading, SIZE).unwrap();
             let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
             (picture.radiance, window(&layers).cost(shading, &directions))

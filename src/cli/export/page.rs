@@ -2,16 +2,15 @@
 
 use crate::cli::captions;
 use crate::cli::surface::{describe, plot};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::export::page::{self, PageBar, PageWords};
 use crate::export::{ExportedMaterial, MaterialDescription};
-use crate::figure::palette::{Color, ColorMap};
+use crate::figure::{Axis, ColorMap, ColorScale, Raster};
 use crate::optics::validity::ScalarTheory;
 use crate::output::{write_atomically, write_failed};
 use crate::render::shading::Shading;
 use crate::surface::statistics::plot_grid::PlotGrid;
 use crate::surface::{HeightField, Statistics, SurfaceSource};
-use image::{ExtendedColorType, ImageEncoder};
 use std::io::Write;
 use std::path::Path;
 
@@ -48,7 +47,9 @@ pub fn write(
     let grid = PlotGrid::of_heights(subject.field, MOST_PIXELS);
     let range = grid.core();
     let words = words(subject, description, range)?;
-    let text = page::write(material, &words, &relief(&grid, range)?).map_err(|e| e.at(path.display()))?;
+    let scale = ColorScale { axis: Axis::linear("", range[0], range[1]), map: ColorMap::Viridis };
+    let relief = Raster::values(grid.size[0], &grid.values, scale);
+    let text = page::write(material, &words, &relief.png()?).map_err(|e| e.at(path.display()))?;
     write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, &e)))
 }
 
@@ -115,24 +116,4 @@ fn trust(description: &MaterialDescription) -> Vec<String> {
         ),
         "The matt layer and the shapes are the page’s own and are not measured.".to_owned(),
     ]
-}
-
-/// Returns the heights in false colour as PNG.
-fn relief(grid: &PlotGrid, [low, high]: [f64; 2]) -> Result<Vec<u8>> {
-    let color = |value: &f64| {
-        let Color(rgb) = ColorMap::Viridis.at((value - low) / (high - low).max(f64::MIN_POSITIVE));
-        rgb
-    };
-    let pixels: Vec<u8> = grid.values.iter().flat_map(color).collect();
-    let [columns, rows] = grid.size.map(|n| n as u32);
-    let mut png = Vec::new();
-    image::codecs::png::PngEncoder::new(&mut png)
-        .write_image(&pixels, columns, rows, ExtendedColorType::Rgb8)
-        .map_err(|e| {
-            Error::failed(
-                format!("the picture of the heights is no PNG ({e})"),
-                "report this as a bug of diffract",
-            )
-        })?;
-    Ok(png)
 }

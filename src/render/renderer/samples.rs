@@ -95,7 +95,7 @@ impl Renderer {
     ) -> Result<Option<u32>> {
         if self.accumulation.is_none() {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
-            self.point_around();
+            self.bind_background();
         }
         if let Some(accumulation) = &mut self.accumulation {
             accumulation.make_room(&self.device, group.passes.len())?;
