@@ -322,18 +322,23 @@ pub struct MeanReflectance(Vec<f32>);
 impl MeanReflectance {
     /// Number of equal steps of the cosine of the half angle over 0 … 1.
     pub const STEPS: usize = 512;
+    /// Reflectance below which wavelengths are not told apart: a fortieth of glass at normal incidence.
+    const DARK: f64 = 1e-3;
 
-    /// Returns the mean of `reflectance`, or for TM light the mean plus half of that at normal incidence. TM light has no reflection at Brewster's angle, which
-    /// depends on the wavelength, so that R over its mean would be no smooth function of the angle there.
+    /// Returns the mean of `reflectance`.
     pub fn new(reflectance: &Reflectance) -> Self {
-        /// Smallest mean, because tables divide by it.
-        const LEAST: f64 = 1e-3;
-        let offset = match reflectance.polarisation() {
-            Polarisation::Tm => 0.5 * reflectance.luminous_normal(),
-            Polarisation::None | Polarisation::Te => 0.0,
-        };
-        let at = |i: usize| (reflectance.luminous(i as f64 / Self::STEPS as f64) + offset).max(LEAST) as f32;
+        /// Smallest mean, so that none is 0, which no sound table has.
+        const LEAST: f64 = 1e-9;
+        let at = |i: usize| reflectance.luminous(i as f64 / Self::STEPS as f64).max(LEAST) as f32;
         Self((0..=Self::STEPS).map(at).collect())
+    }
+
+    /// Returns `reflectance`, that of a wavelength at the cosine of a half angle, divided by the mean. Where both are below ε = [`Self::DARK`] the ratio tends to
+    /// 1: at Brewster's angle, which depends on the wavelength, TM light has no reflection, and r/m would have a pole. The product with m is off by
+    /// ε² (m − r)/(m² + ε²).
+    pub fn ratio(&self, reflectance: f64, cos_half_angle: f64) -> f64 {
+        let mean = self.at(cos_half_angle);
+        (reflectance * mean + Self::DARK.powi(2)) / (mean * mean + Self::DARK.powi(2))
     }
 
     /// Interpolates the mean at the cosine of a half angle.
@@ -346,7 +351,7 @@ impl MeanReflectance {
 
     /// Returns true if the values can have been made by [`Self::new`].
     pub fn is_sound(&self) -> bool {
-        self.0.len() == Self::STEPS + 1 && self.0.iter().all(|r| *r > 0.0 && *r <= 1.501)
+        self.0.len() == Self::STEPS + 1 && self.0.iter().all(|r| *r > 0.0 && *r <= 1.001)
     }
 }
 
@@ -399,6 +404,29 @@ mod tests {
                 assert!((plain - 0.5 * (te + tm)).abs() < 1e-12 && te >= tm - 1e-12, "{te} {tm}");
             }
             assert!((te.at(0.5, 1.0) - tm.at(0.5, 1.0)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_mean_times_the_ratio_is_the_reflectance() {
+        let film = Some(Film { thickness: 0.3, index: 1.4 });
+        let surfaces = [of("glass"), of("gold"), constant(1.5, None), constant(2.0, film)];
+        for (plain, has_film) in surfaces.into_iter().zip([false, false, false, true]) {
+            for polarisation in Polarisation::ALL {
+                let reflectance = plain.clone().polarised(polarisation);
+                let mean = MeanReflectance::new(&reflectance);
+                for cosine in (0..=2000).map(|i| f64::from(i) / 2000.0) {
+                    let exact = reflectance.at(0.48, cosine);
+                    let ratio = mean.ratio(exact, cosine);
+                    let off = (ratio * mean.at(cosine) - exact).abs();
+                    // By the bound of `ratio`, and the rounding of means to 32 bits.
+                    let bound = 1e-6 * (mean.at(cosine) - exact).abs() / (mean.at(cosine).powi(2) + 1e-6);
+                    assert!(off <= bound + 1e-9, "{reflectance} at {cosine}: {off}");
+                    // Without a film wavelengths differ little, at Brewster's angle too.
+                    let is_near_1 = ratio > 0.0 && ratio < 2.0;
+                    assert!(is_near_1 || has_film, "{reflectance} at {cosine}: {ratio}");
+                }
+            }
         }
     }
 

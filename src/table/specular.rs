@@ -57,7 +57,7 @@ impl Specular {
                         let reflected = |q: f64| {
                             reflectance
                                 .as_ref()
-                                .map_or(1.0, |(r, mean)| r.at(1.0 / q, 0.5 * w) / mean.at(0.5 * w))
+                                .map_or(1.0, |(r, mean)| mean.ratio(r.at(1.0 / q, 0.5 * w), 0.5 * w))
                         };
                         let power = |q: f64| series.specular_power(2.0 * PI * q * w) * reflected(q);
                         let sum: DVec3 = nodes.iter().map(|(q, xyz)| *xyz * power(*q)).sum();

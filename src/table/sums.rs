@@ -58,7 +58,7 @@ impl ReflectanceRow {
     fn new(reflectance: &Reflectance, mean: &MeanReflectance, wavenumber: f64) -> Self {
         let at = |i: usize| {
             let cosine = i as f64 / Self::STEPS as f64;
-            (reflectance.at(1.0 / wavenumber, cosine) / mean.at(cosine)) as f32
+            mean.ratio(reflectance.at(1.0 / wavenumber, cosine), cosine) as f32
         };
         Self((0..=Self::STEPS).map(at).collect())
     }
