@@ -41,8 +41,8 @@ def ratios(text: str, folder: Path) -> str:
     times = {row["flags"]: float(row["frame_ms"]) for row in sweep(folder)}
     table = times[TABLE]
     others = {name.split(",")[0].split(":")[0]: time for name, time in times.items() if "for comparison" in name}
-    told = [f"{name} takes {time / table:.2f} times the frame of `{TABLE}`" for name, time in others.items()]
-    return text + "; ".join(told) + ".\n"
+    told = [f"{name if name.startswith('the ') else 'the ' + name} {time / table:.2f} times" for name, time in others.items()]
+    return f"{text}Compared with the frame of `{TABLE}`, others take: " + ", ".join(told) + " as long.\n"
 
 
 def section(folder: Path) -> str:
