@@ -333,7 +333,7 @@ impl MeanReflectance {
         Self((0..=Self::STEPS).map(at).collect())
     }
 
-    /// Returns `reflectance`, that of a wavelength at the cosine of a half angle, divided by the mean. Where both are below ε = [`Self::DARK`] the ratio tends to
+    /// Returns `reflectance`, that of a wavelength at the cosine of a half angle, divided by the mean. Where both are below ε = 0.001 the ratio tends to
     /// 1: at Brewster's angle, which depends on the wavelength, TM light has no reflection, and r/m would have a pole. The product with m is off by
     /// ε² (m − r)/(m² + ε²).
     pub fn ratio(&self, reflectance: f64, cos_half_angle: f64) -> f64 {
