@@ -153,6 +153,7 @@ mod commands {
             ("```sh\necho a\n```\n\n```text\na\n```\n", None),
             ("```sh\necho a; echo b; echo c\n```\n\n```text\na\n…\nc\n```\n", None),
             ("```sh,slow\nfalse\n```\n\n```text\na\n```\n\n```console\nfalse\n```\n", None),
+            ("```sh,fetch\nfalse\n```\n", None),
             ("\n```sh\ndiffract no-such-command\n```\n", Some("line 2: a command of this block fails")),
             (
                 "```sh\necho a; echo b\n```\n\n```text\na\n```\n",

@@ -7,8 +7,9 @@
 #
 #   ```sh          commands; each block must succeed
 #   ```sh,slow     the same, left out by --quick
+#   ```sh,fetch    the same; its first command, a download, may fail: then the block is left out, and its picture stays as it is
 #   ```text        the output of the commands of the block before; a line that is … stands for any lines
-#   ```console     commands that are shown alone: they need a window, a download or other files
+#   ```console     commands that are shown alone: they need a window or other files
 #
 # A picture `images/NAME` of a page is the file NAME that its commands draw, copied to docs/images and made small.
 # --quick copies nothing, compares docs/COMMANDS.md with the help of the program, and is what a test runs.
@@ -69,7 +70,7 @@ blocks() {
     awk -v folder="$2" '
         /^```/ && inside { close(file); inside = 0; next }
         inside { print > file; next }
-        /^```(sh|sh,slow|text|console)$/ {
+        /^```(sh|sh,slow|sh,fetch|text|console)$/ {
             kind = substr($0, 4)
             sub(",", "-", kind)
             file = sprintf("%s/%03d.%s", folder, ++count, kind)
@@ -107,6 +108,14 @@ fail() {
     exit 1
 }
 
+# fetch BLOCK FOLDER: runs the first line of a block, a download; where it fails, says so and keeps the pictures that the block draws.
+fetch() {
+    (cd "$2/work" && sed -n 1p ../body | sh -eu) >"$2/printed" 2>"$2/told" && return
+    echo "book: $page, line $(sed -n 1p "$1"): left out, the download fails: $(tail -n 1 "$2/told")" >&2
+    sed -n 's/.* -o \([A-Za-z0-9_.-]*\.png\).*/\1/p' "$2/body" >>"$scratch/drawn"
+    return 1
+}
+
 # run_page PAGE: runs the blocks of a page in order, and compares what they print.
 run_page() {
     page=$1
@@ -120,9 +129,14 @@ run_page() {
         [ -e "$block" ] || continue
         sed 1d "$block" >"$place/body"
         case $block in
-        *.sh-slow | *.sh)
+        *.sh-slow | *.sh-fetch | *.sh)
             printed=
-            case $block,$quick in *.sh-slow,yes) continue ;; esac
+            case $block,$quick in *.sh-slow,yes | *.sh-fetch,yes) continue ;; esac
+            case $block in *.sh-fetch)
+                fetch "$block" "$place" || continue
+                sed 2d "$block" | sed 1d >"$place/body"
+                ;;
+            esac
             if ! (cd "$place/work" && sh -eu "$place/body") >"$place/printed" 2>"$place/told"; then
                 cat "$place/told" >&2
                 fail "$block" 'a command of this block fails'
