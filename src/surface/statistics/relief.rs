@@ -173,22 +173,22 @@ fn grooves(
     is_period: bool,
 ) -> ProfileShape {
     let (power, place) = moments.strongest;
-    let [frequency, share] = if is_period {
-        let [x, y] = spectrum.frequency(place[0], place[1]);
-        [x.hypot(y), 2.0 * power / moments.variance]
+    let ([x, y], share) = if is_period {
+        (spectrum.frequency(place[0], place[1]), 2.0 * power / moments.variance)
     } else {
-        let [x, y] = refined(spectrum, place);
-        [x.hypot(y), amplitude(spectrum, place).powi(2) / 2.0 / moments.variance]
+        (refined(spectrum, place), amplitude(spectrum, place).powi(2) / 2.0 / moments.variance)
     };
+    // Below three periods the lobes of both signs overlap, and the share is that of both.
+    let is_resolved = is_period || (x * spectrum.patch[0]).hypot(y * spectrum.patch[1]) >= FEWEST_CYCLES;
     let sq = moments.variance.sqrt();
     let [across, slope_along] = principal_slopes(field);
     let periodic = |profile, height_over_sq: f64| ProfileShape {
         profile,
-        period: 1.0 / frequency,
+        period: 1.0 / x.hypot(y),
         height: height_over_sq * sq,
         slope_along,
     };
-    if share < PERIODIC_SHARE {
+    if share < PERIODIC_SHARE || !is_resolved {
         let period = moments.first / moments.second;
         let height = 2.0 * SQRT_2 * across.hypot(slope_along) * period / TAU;
         return ProfileShape { profile: ProfileKind::Rough, period, height, slope_along };
@@ -256,6 +256,21 @@ mod tests {
         for cut in [sawtooth(1.6), sinusoid(1.4), sinusoid(2.3)] {
             assert_eq!(Relief::of(&cut).unwrap(), Relief::FewPeriods);
         }
+    }
+
+    #[test]
+    fn waviness_of_less_than_three_periods_is_no_profile() {
+        // 40 % of the variance in 1.2 periods, the rest in fingers of several frequencies.
+        let wavy = field(200, 20, |x, _| {
+            let fingers: f64 =
+                (9..16).map(|k| 0.04 * (TAU * f64::from(k) * x / 19.3 + f64::from(k * k)).sin()).sum();
+            0.09 * (TAU * 1.2 * x / 20.0 + 0.6).sin() + fingers
+        });
+        let Relief::Grooves(found) = Relief::of(&wavy).unwrap() else {
+            panic!("{:?}", Relief::of(&wavy).unwrap())
+        };
+        assert_eq!(found.profile, ProfileKind::Rough, "{found:?}");
+        assert!((1.0..3.0).contains(&found.period), "{found:?}");
     }
 
     #[test]
