@@ -42,7 +42,7 @@ measure: build
 
 book: build
 	@tools/book.sh $(ARGS)
-	@if command -v mdbook >/dev/null; then mdbook build; else echo 'mdbook is not installed: no HTML (cargo install mdbook --locked)'; fi
+	@if command -v mdbook >/dev/null; then mdbook build && python3 tools/links.py target/book; else echo 'mdbook is not installed: no HTML (cargo install mdbook --locked)'; fi
 
 clean:
 	cargo clean
