@@ -3,16 +3,16 @@
 use super::options::OpticsOptions;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
-use crate::optics::validity::ScalarTheory;
+use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::picture_file::{Notes, quoted};
 use crate::scene::FarLight;
 use crate::setup::Method;
 use crate::surface::HeightField;
 use std::ffi::OsString;
 
-/// Returns the notes of a picture that this process draws of `field`, which reflects by `reflectance`.
-pub fn notes(field: &HeightField, reflectance: &Reflectance) -> Notes {
-    Notes::new(own_command(), ScalarTheory::note(field, reflectance))
+/// Returns the notes of a picture that this process draws of `field`, which reflects by `reflectance`, in light of this colour.
+pub fn notes(field: &HeightField, reflectance: &Reflectance, colour: LightColour<'_>) -> Notes {
+    Notes::new(own_command(), ScalarTheory::note(field, reflectance, colour))
 }
 
 /// Returns the command of this process, as a shell takes it, without the names of results.

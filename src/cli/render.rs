@@ -12,8 +12,8 @@ use crate::error::{Error, Remedy, Result};
 use crate::files::Files;
 use crate::measure::error;
 use crate::optics::nufft;
-use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::SHORTEST;
+use crate::optics::validity::LightColour;
 use crate::picture_file::{self, Notes, PictureFormat};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
@@ -160,10 +160,12 @@ struct PictureWork<'a> {
 }
 
 impl PictureWork<'_> {
-    /// Returns the reflectance of the first object.
-    fn reflectance(&self) -> Reflectance {
+    /// Returns the notes of a picture, with the errors of scalar theory for the first object.
+    fn notes(&self) -> Notes {
         let first = self.surfaces.first();
-        first.map_or_else(Reflectance::default, |surface| surface.optics.shading.reflectance.clone())
+        let shading = first.map_or(&self.settings.optics.shading, |surface| &surface.optics.shading);
+        let colour = LightColour::Spectrum(&shading.illuminant);
+        captions::notes(self.field, &shading.reflectance, colour)
     }
 }
 
@@ -183,7 +185,7 @@ fn shots(
     view: &View,
     work: &PictureWork<'_>,
 ) -> Result<Vec<Shot>> {
-    let notes = captions::notes(work.field, &work.reflectance());
+    let notes = work.notes();
     let Some(sequence) = sequence else {
         return Ok(vec![Shot { view: view.clone(), output: output.to_owned(), notes, is_sealed: false }]);
     };

@@ -17,11 +17,12 @@ use crate::files::Files;
 use crate::optics::material::Material;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
-use crate::optics::validity::ScalarTheory;
+use crate::optics::spectrum::Illuminant;
+use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::surface::files::write::ScanFormat;
 use crate::surface::files::{Topography, image};
 use crate::surface::synth::{self, Spec, SurfaceKind};
-use crate::surface::{Statistics, SurfaceSource};
+use crate::surface::{HeightField, Statistics, SurfaceSource};
 use crate::{output, units};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Subcommand};
@@ -54,6 +55,9 @@ pub struct Info {
     /// Material of the surface, for the errors of scalar theory: as in `render` [default: refractive index 1.5]
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file))]
     material: Option<Material>,
+    /// Spectrum of the light, for the errors of scalar theory: d65, a, e, led, or a CSV file of wavelength in nm and power
+    #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Illuminant::from_name_or_file), default_value = "d65")]
+    illuminant: Illuminant,
     /// Polarisation of the light, for the errors of scalar theory: te (along the grooves), tm (across them) or none [default: none]
     #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
     polarisation: Option<Polarisation>,
@@ -113,6 +117,11 @@ impl Info {
         let unpolarised = material.map_or_else(Reflectance::default, |m| Reflectance::of_material(m, None));
         unpolarised.polarised(self.polarisation.unwrap_or_default())
     }
+
+    /// Returns the errors of scalar theory for `field` in the light that the options name.
+    fn scalar_theory(&self, field: &HeightField) -> Result<ScalarTheory> {
+        ScalarTheory::of_field(field, &self.reflectance(), LightColour::Spectrum(&self.illuminant))
+    }
 }
 
 fn info(arguments: &Info) -> Result<()> {
@@ -131,7 +140,7 @@ fn info(arguments: &Info) -> Result<()> {
         report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
     let field = source.prepare(scan.into_field()?)?;
     let statistics = Statistics::of(&field)?;
-    let theory = ScalarTheory::of_field(&field, &arguments.reflectance())?;
+    let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
         plot::figure(&source, &field, &statistics, &theory)?.save(path)?;
     }
@@ -150,7 +159,7 @@ fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<
         Err(e) => return Err(e),
     };
     let statistics = Statistics::of(&field)?;
-    let theory = ScalarTheory::of_field(&field, &arguments.reflectance())?;
+    let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
         plot::figure(source, &field, &statistics, &theory)?.save(path)?;
     }

@@ -2,7 +2,7 @@
 
 use super::{ExportSettings, ExportedMaterial};
 use crate::error::{Error, Result};
-use crate::optics::validity::ScalarTheory;
+use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::surface::HeightField;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -163,7 +163,11 @@ impl MaterialDescription {
             beyond: settings.beyond.name().to_owned(),
             illuminant: serde_json::to_value(&settings.illuminant).unwrap_or_default(),
             reflectance: serde_json::to_value(&settings.reflectance).unwrap_or_default(),
-            scalar_theory: ScalarTheory::note(field, &settings.reflectance),
+            scalar_theory: ScalarTheory::note(
+                field,
+                &settings.reflectance,
+                LightColour::Spectrum(&settings.illuminant),
+            ),
             tolerance: settings.tolerance,
             smallest_footprint: material.table.header.grid.finest,
             table_bytes: material.table.bytes(),

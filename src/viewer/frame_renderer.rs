@@ -10,7 +10,7 @@ use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
 use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
-use crate::optics::validity::ScalarTheory;
+use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::object::objects;
@@ -414,7 +414,11 @@ impl FrameRenderer {
                         .ok_or_else(|| Error::failed("the window was closed", "save the picture again"))?;
                 }
                 let own = &request.own;
-                let note = || ScalarTheory::note(&own.field, &own.shading().reflectance);
+                let note = || {
+                    let shading = own.shading();
+                    let colour = LightColour::Spectrum(&shading.illuminant);
+                    ScalarTheory::note(&own.field, &shading.reflectance, colour)
+                };
                 let scalar_theory =
                     own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
                 Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.picture()?), scalar_theory))))

@@ -4,7 +4,7 @@ use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
 use crate::error::{Error, Result};
 use crate::filter::FootprintSizes;
-use crate::optics::validity::ScalarTheory;
+use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::render::frame::View;
 use crate::render::object::ObjectSources;
 use crate::render::sampling::Sampling;
@@ -239,8 +239,9 @@ impl Preparer {
             None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
         };
         let relief = self.relief(&field, request.role);
-        let reflectance = &request.settings.shading.reflectance;
-        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, reflectance));
+        let shading = &request.settings.shading;
+        let colour = LightColour::Spectrum(&shading.illuminant);
+        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, &shading.reflectance, colour));
         let prepared = Prepared { number: request.number, field, sources, others, scalar_theory };
         Ok((Arc::new(prepared), note))
     }

@@ -1,4 +1,7 @@
-"""Compares the errors that `diffract surface info` looks up for gratings outside of the grid with those of the solver. `python check.py DIFFRACT`."""
+"""Compares the errors that `diffract surface info` looks up for gratings outside of the grid with those of the solver. `python check.py DIFFRACT`.
+
+Both are means over the wavelengths of daylight, as a picture has them. The material is that of the table at every wavelength.
+"""
 
 import json
 import subprocess
@@ -24,8 +27,11 @@ GRATINGS = [
     ("lamellar", "dielectric", 2.0, 0.12),
     ("lamellar", "dielectric", 14.3, 0.48),
 ]
-# Wavelength of the look-up [µm].
+# Wavelength in which periods and heights are given [µm].
 WAVELENGTH = 0.55
+# Number of wavelengths that the solver gets: middles of equal shares of the light, by S (x̄ + ȳ + z̄) of daylight.
+WAVELENGTHS = 16
+SPECTRA = Path(__file__).parents[2] / "assets/spectra"
 # Errors below this count as this, as in the look-up.
 SMALLEST = 0.01
 OPTIONS = {"metal": ["--material", "aluminium"], "dielectric": []}
@@ -49,6 +55,27 @@ def looked_up(diffract, kind, material, period, height):
     return {error["angle_deg"]: error["mean"] for error in theory["errors"]}
 
 
+def wavelengths():
+    """Returns the wavelengths that the solver gets [µm]."""
+    observer, power = (np.loadtxt(SPECTRA / name, delimiter=",", skiprows=1) for name in ["cie-1931-2deg.csv", "d65.csv"])
+    nanometres = np.arange(380.0, 781.0)
+    weight = sum(np.interp(nanometres, observer[:, 0], observer[:, i]) for i in [1, 2, 3])
+    light = np.cumsum(weight * np.interp(nanometres, power[:, 0], power[:, 1]))
+    return np.interp((np.arange(WAVELENGTHS) + 0.5) / WAVELENGTHS, light / light[-1], nanometres + 0.5) / 1e3
+
+
+def solved(kind, material, period, height, angle):
+    """Returns the error that the solver gives in daylight; None where it does not settle."""
+    found = []
+    for wavelength in wavelengths():
+        scale = WAVELENGTH / wavelength
+        directions = grid.orders(grid.Point(kind, material, period * scale, height * scale, angle))
+        if directions is None:
+            return None
+        found.append(float(np.sum(np.multiply(*table.errors(directions, "mean")))))
+    return float(np.mean(found))
+
+
 def main():
     angles = grid.ANGLES
     print("| grating | material | period/λ | height/λ | " + " | ".join(f"{a}°" for a in angles) + " |")
@@ -58,14 +85,13 @@ def main():
         told = looked_up(sys.argv[1], kind, material, period, height)
         cells, hits = [], []
         for angle in angles:
-            directions = grid.orders(grid.Point(kind, material, period, height, angle))
-            if directions is None or angle not in told:
+            error = solved(kind, material, period, height, angle)
+            if error is None or angle not in told:
                 cells.append("not known")
                 continue
-            solved = float(np.sum(np.multiply(*table.errors(directions, "mean"))))
-            ratio = told[angle] / max(solved, SMALLEST)
+            ratio = told[angle] / max(error, SMALLEST)
             hits.append(0.5 <= ratio <= 2)
-            cells.append(f"{100 * told[angle]:.1f} / {100 * solved:.1f}" + ("" if hits[-1] else " *"))
+            cells.append(f"{100 * told[angle]:.1f} / {100 * error:.1f}" + ("" if hits[-1] else " *"))
         within, total, gratings = within + sum(hits), total + len(hits), gratings + all(hits)
         print(f"| {kind} | {material} | {period} | {height} | " + " | ".join(cells) + " |")
     print(f"\nLook-up / solver, %. Within a factor of two: {within} of {total} points, all angles of {gratings} of {len(GRATINGS)} gratings.")

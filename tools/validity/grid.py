@@ -24,8 +24,8 @@ ANGLES = [0, 30, 45, 60, 75]
 # (Wood's anomalies).
 SPREAD, LONGEST_SPREAD = 2, 5.0
 # Random profiles: the height is that of a sinusoid of the same RMS.
-ROUGH_PERIODS = [0.8, 1.5, 3.0]
-ROUGH_HEIGHTS = [0.1, 0.2, 0.4]
+ROUGH_PERIODS = [0.8, 1.1, 1.5, 3.0]
+ROUGH_HEIGHTS = [0.1, 0.2, 0.3, 0.4]
 ROUGH_ANGLES = [0, 45, 60, 75]
 MEMBERS = 10
 # The number of coefficients is doubled for one profile of an ensemble in so many, and serves the others.

@@ -10,6 +10,8 @@ use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::optics::color;
+use crate::optics::spectrum::Illuminant;
+use crate::optics::validity::LightColour;
 use crate::picture_file;
 use crate::render::renderer::Picture;
 use crate::scene::FarLight;
@@ -130,7 +132,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, surrounded: false };
-    picture_file::write(path, format, &picture, &captions::notes(&field, &arguments.optics.reflectance(None)))
+    let illuminant = Illuminant::from_name_or_file(&arguments.colour.illuminant)?;
+    let colour = arguments.wavelength.map_or(LightColour::Spectrum(&illuminant), LightColour::Wavelength);
+    let notes = captions::notes(&field, &arguments.optics.reflectance(None), colour);
+    picture_file::write(path, format, &picture, &notes)
 }
 
 /// Compares two maps, in a figure and in a line of text.

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::export::page::{self, PageBar, PageWords};
 use crate::export::{ExportedMaterial, MaterialDescription};
 use crate::figure::{Axis, ColorMap, ColorScale, Raster};
-use crate::optics::validity::ScalarTheory;
+use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::output::{write_atomically, write_failed};
 use crate::render::shading::Shading;
 use crate::surface::statistics::plot_grid::PlotGrid;
@@ -57,7 +57,8 @@ pub fn write(
 fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f64; 2]) -> Result<PageWords> {
     let PageSubject { source, field, shading, illuminant } = subject;
     let statistics = Statistics::of(field)?;
-    let theory = ScalarTheory::of_field(field, &shading.reflectance)?;
+    let theory =
+        ScalarTheory::of_field(field, &shading.reflectance, LightColour::Spectrum(&shading.illuminant))?;
     let lines = describe::lines(source, field, &statistics, &theory)?;
     let named = |wanted: &str| {
         let found = lines.iter().find(|(name, _)| *name == wanted);

@@ -277,6 +277,7 @@ pub fn scale_bar(width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::validity::LightColour;
     use crate::surface::synth::SurfaceKind;
 
     #[test]
@@ -284,7 +285,10 @@ mod tests {
         for kind in SurfaceKind::ALL {
             let source = SurfaceSource::built_in(kind);
             let field = source.load().unwrap();
-            let theory = ScalarTheory::of_field(&field, &Default::default()).unwrap();
+            let theory = {
+                let green = LightColour::Wavelength(0.55);
+                ScalarTheory::of_field(&field, &Default::default(), green).unwrap()
+            };
             let svg =
                 figure(&source, &field, &Statistics::of(&field).unwrap(), &theory).unwrap().svg().unwrap();
             for word in [

@@ -4,24 +4,27 @@
 //! `tools/validity` compares it with the C method [Chandezon et al. 1982, J. Opt. Soc. Am. 72, 839] for grooves in one direction, light in
 //! the plane across them; `docs/VALIDITY.md` has the results. The angles of the orders follow from the period alone and are exact.
 
+mod bands;
 mod table;
 
 use super::polarisation::Polarisation;
 use super::reflectance::Reflectance;
-use super::spectrum::MIDDLE;
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::statistics::{ProfileShape, Relief};
+pub use bands::LightColour;
 use serde::Serialize;
 use table::{AngleErrors, MaterialClass};
 
-/// Errors of scalar theory for a surface in light of [`MIDDLE`].
+/// Errors of scalar theory for a surface, material and light.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScalarTheory {
     /// [`Self::line`], for people.
     line: String,
     /// The profile that was looked up.
     grooves: Option<ProfileShape>,
+    /// Mean wavelength of the light \[m\].
+    wavelength_m: f64,
     /// Errors by the angle of incidence; empty if unknown.
     errors: Vec<AngleErrors>,
     /// Polarisation of the light, whose error the line tells.
@@ -29,34 +32,38 @@ pub struct ScalarTheory {
 }
 
 impl ScalarTheory {
-    /// Looks up a surface of this shape, which reflects like this.
-    pub fn new(relief: Relief, reflectance: &Reflectance) -> Self {
-        let known =
-            |grooves| Ok((grooves, table::errors(&grooves, MaterialClass::of(reflectance)?, MIDDLE)?));
+    /// Looks up a surface of this shape, which reflects like this, in light of this colour.
+    pub fn new(relief: Relief, reflectance: &Reflectance, colour: LightColour<'_>) -> Self {
+        let bands = bands::bands(colour);
+        let wavelength = bands::mean_wavelength(&bands);
+        let unknown = |line: String| Self {
+            line,
+            grooves: None,
+            wavelength_m: wavelength * 1e-6,
+            errors: Vec::new(),
+            polarisation: Polarisation::None,
+        };
         let found = match relief {
-            Relief::Flat => {
-                let line = "diffracted orders err by 0 %: a mirror has none".to_owned();
-                return Self { line, grooves: None, errors: Vec::new(), polarisation: Polarisation::None };
-            }
+            Relief::Flat => return unknown("diffracted orders err by 0 %: a mirror has none".to_owned()),
             Relief::Crossed([larger, smaller]) => Err(format!(
                 "RMS slopes in two directions, {larger:.2} and {smaller:.2}; computed for grooves in one direction"
             )),
             Relief::FewPeriods => {
                 Err("fewer than three periods over the field, whose copies do not join".to_owned())
             }
-            Relief::Grooves(grooves) => known(grooves),
+            Relief::Grooves(grooves) => {
+                bands::mean_errors(&grooves, reflectance, &bands).map(|errors| (grooves, errors))
+            }
         };
         match found {
             Ok((grooves, errors)) => {
                 let polarisation = reflectance.polarisation();
-                let line =
-                    format!("{}; {}", by_angle(&errors, polarisation), described(&grooves, reflectance));
-                Self { line, grooves: Some(grooves), errors, polarisation }
+                let [errors_text, entry] =
+                    [by_angle(&errors, polarisation), described(&grooves, reflectance, wavelength)];
+                let known = unknown(format!("{errors_text}; {entry}"));
+                Self { grooves: Some(grooves), errors, polarisation, ..known }
             }
-            Err(reason) => {
-                let line = format!("not known: {reason}; angles of orders are exact");
-                Self { line, grooves: None, errors: Vec::new(), polarisation: Polarisation::None }
-            }
+            Err(reason) => unknown(format!("not known: {reason}; angles of orders are exact")),
         }
     }
 
@@ -64,13 +71,14 @@ impl ScalarTheory {
     ///
     /// # Errors
     /// Too little memory for the spectrum.
-    pub fn of_field(field: &HeightField, reflectance: &Reflectance) -> Result<Self> {
-        Ok(Self::new(Relief::of(field)?, reflectance))
+    pub fn of_field(field: &HeightField, reflectance: &Reflectance, colour: LightColour<'_>) -> Result<Self> {
+        Ok(Self::new(Relief::of(field)?, reflectance, colour))
     }
 
     /// Returns [`Self::line`] of `field` for a picture's metadata, or the reason why there is none.
-    pub fn note(field: &HeightField, reflectance: &Reflectance) -> String {
-        Self::of_field(field, reflectance).map_or_else(|e| format!("not known: {e}"), |found| found.line)
+    pub fn note(field: &HeightField, reflectance: &Reflectance, colour: LightColour<'_>) -> String {
+        let found = Self::of_field(field, reflectance, colour);
+        found.map_or_else(|e| format!("not known: {e}"), |found| found.line)
     }
 
     /// Returns the line of `surface info` and of a picture's metadata.
@@ -94,11 +102,11 @@ impl ScalarTheory {
     }
 }
 
-/// Describes the entry of the table in words.
-fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
-    let [period, height] = [grooves.period, grooves.height].map(|length| length / MIDDLE);
-    let [profile, material] =
-        [grooves.profile.name(), MaterialClass::of(reflectance).map_or("", MaterialClass::name)];
+/// Describes the entry of the table in words, for light of this mean wavelength \[µm\].
+fn described(grooves: &ProfileShape, reflectance: &Reflectance, wavelength: f64) -> String {
+    let [period, height] = [grooves.period, grooves.height].map(|length| length / wavelength);
+    let class = MaterialClass::of(reflectance, wavelength);
+    let [profile, material] = [grooves.profile.name(), class.map_or("another material", MaterialClass::name)];
     let light = match reflectance.polarisation() {
         Polarisation::None => "",
         Polarisation::Te => " in TE light",
@@ -111,8 +119,8 @@ fn described(grooves: &ProfileShape, reflectance: &Reflectance) -> String {
         _ => String::new(),
     };
     format!(
-        "mean weighted by light, {profile} on {material}{light}, period {period:.1} λ, height {height:.2} λ at {:.0} nm{left_out}; angles of orders are exact",
-        MIDDLE * 1e3
+        "mean over the light, {profile} on {material}{light}, period {period:.1} λ, height {height:.2} λ at {:.0} nm{left_out}; angles of orders are exact",
+        wavelength * 1e3
     )
 }
 
@@ -154,8 +162,11 @@ mod tests {
     use super::*;
     use crate::optics::material::Material;
     use crate::optics::reflectance::Film;
+    use crate::optics::spectrum::{Illuminant, MIDDLE};
     use crate::surface::statistics::ProfileKind;
     use crate::surface::synth::{Spec, SurfaceKind, generate};
+
+    const GREEN: LightColour<'static> = LightColour::Wavelength(MIDDLE);
 
     fn metal() -> Reflectance {
         let material = Material::from_name_or_file("aluminium").unwrap();
@@ -174,7 +185,7 @@ mod tests {
     #[test]
     fn long_shallow_sinusoids_err_little_and_dielectrics_more_at_grazing_angles() {
         let [metal, glass] =
-            [metal(), Reflectance::default()].map(|r| ScalarTheory::new(sinusoid(9.0, 0.25), &r));
+            [metal(), Reflectance::default()].map(|r| ScalarTheory::new(sinusoid(9.0, 0.25), &r, GREEN));
         assert!(at(&metal, 0.0) < 0.02 && at(&metal, 60.0) < 0.04, "{metal:?}");
         assert!(at(&glass, 0.0) < 0.02 && at(&glass, 75.0) > 0.2, "{glass:?}");
         assert!(metal.line().starts_with("diffracted orders err by 2 % up to 60°, 10 % at 75°"), "{metal:?}");
@@ -187,8 +198,9 @@ mod tests {
 
     #[test]
     fn what_was_not_computed_is_not_known() {
-        let line =
-            |relief, reflectance: &Reflectance| ScalarTheory::new(relief, reflectance).line().to_owned();
+        let line = |relief, reflectance: &Reflectance| {
+            ScalarTheory::new(relief, reflectance, GREEN).line().to_owned()
+        };
         let glass = Reflectance::default();
         for (relief, word) in [
             (sinusoid(1.0, 0.9), "steeper than"),
@@ -200,7 +212,7 @@ mod tests {
             let line = line(relief, &glass);
             assert!(line.starts_with("not known: ") && line.contains(word), "{line}");
         }
-        assert_eq!(ScalarTheory::new(Relief::FewPeriods, &glass).brief(), "not known");
+        assert_eq!(ScalarTheory::new(Relief::FewPeriods, &glass, GREEN).brief(), "not known");
         let film = Some(Film { thickness: 0.1, index: 1.7 });
         let silicon = Material::from_name_or_file("silicon").unwrap();
         for (reflectance, word) in [
@@ -231,7 +243,7 @@ mod tests {
     fn built_in_surfaces_have_a_line_and_a_mirror_errs_by_nothing() {
         for kind in SurfaceKind::ALL {
             let field = generate(&Spec { patch: Some([20.0; 2]), ..Spec::new(kind) }).unwrap();
-            let line = ScalarTheory::note(&field, &metal());
+            let line = ScalarTheory::note(&field, &metal(), LightColour::Spectrum(&Illuminant::D65));
             let known = line.starts_with("diffracted orders err by ") && line.contains(" %");
             assert!(known || line.starts_with("not known: "), "{kind:?}: {line}");
             assert_eq!(line.contains("mirror"), kind == SurfaceKind::Flat, "{kind:?}: {line}");

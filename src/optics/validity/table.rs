@@ -2,7 +2,6 @@
 
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
-use crate::optics::spectrum::MIDDLE;
 use crate::surface::statistics::ProfileShape;
 use serde::Serialize;
 use std::sync::LazyLock;
@@ -25,8 +24,8 @@ pub enum MaterialClass {
 }
 
 impl MaterialClass {
-    /// Returns the class, or why there is none.
-    pub fn of(reflectance: &Reflectance) -> Result<Self, String> {
+    /// Returns the class in light of `wavelength` \[µm\], or why there is none.
+    pub fn of(reflectance: &Reflectance, wavelength: f64) -> Result<Self, String> {
         /// Extinction coefficient from which on light does not enter deeper than a tenth of a wavelength.
         const METALLIC: f64 = 1.5;
         /// Refractive indices and largest extinction coefficient of dielectrics.
@@ -36,7 +35,7 @@ impl MaterialClass {
             Reflectance::Schlick(_) => Err("computed with Fresnel's equations".to_owned()),
             Reflectance::Fresnel { film: Some(_), .. } => Err("computed without a film".to_owned()),
             Reflectance::Fresnel { material, film: None, .. } => {
-                let index = material.index(MIDDLE);
+                let index = material.index(wavelength);
                 if index.im >= METALLIC {
                     Ok(Self::Metal)
                 } else if index.im <= TRANSPARENT && DIELECTRIC.contains(&index.re) {
