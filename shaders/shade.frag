@@ -13,24 +13,23 @@ layout(push_constant) uniform Shade {
 #include "reads.glsl"
 #include "source.glsl"
 #include "color.glsl"
-#include "pixel.glsl"
+#include "gbuffer.glsl"
+#include "light.glsl"
 
 layout(constant_id = 0) const bool MARKED = true;      // true if uncovered pixels have to be skipped
 layout(constant_id = 1) const bool OWN_REFLECTANCE = false; // true if the source already contains Fresnel's R
 layout(constant_id = 2) const float NORMAL_OF_PIGMENT = 0.0; // R0 that attenuates the pigment if the source contains R
 
-layout(constant_id = 3) const bool MIRRORED = false; // true: light of the surroundings, separate specular order
-
-layout(constant_id = 4) const bool LAMPS = false;    // true if the falloff of lights differs between pixels
-
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 // Returns the radiance due to the light.
-vec3 of_light(ivec2 pixel, vec3 to_light, vec3 to_view) {
-    Pair pair = pair_of(to_light, to_view, source.index);
+vec3 of_light(ivec2 pixel, SurfacePoint at) {
+    vec3 to_light = direction_of_light(at);
+    Pair pair = pair_of(to_light, at.to_view, source.index);
     Footprint footprint = POINT;
     if (SOURCE_READS_FOOTPRINT) {
-        footprint = footprint_of(pixel);
+        Footprint change = footprint_of(at, to_light);
+        footprint = Footprint(frame.at.footprint * change.dx, frame.at.footprint * change.dy);
     }
     vec3 diffracted = source_xyz(pair, footprint);
     if (!MIRRORED) {
@@ -38,27 +37,27 @@ vec3 of_light(ivec2 pixel, vec3 to_light, vec3 to_view) {
     }
     diffracted = LINEAR_SRGB_FROM_XYZ * diffracted;
     float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
-    vec3 pigmented = part.first == 0 ? albedo_of(pixel) * white * ((1.0 - kept) * to_light.z / PI) : vec3(0.0);
-    float falloff = LAMPS ? texelFetch(albedos, pixel, 0).a : 1.0;
-    return above_horizon(to_light, to_view) ? (diffracted + pigmented) * (frame.irradiance.rgb * (PI * falloff)) : vec3(0.0);
+    float first = part.first == 0 ? 1.0 : 0.0;
+    vec3 pigmented = albedo_of(pixel) * white * (first * (1.0 - kept) * to_light.z / PI);
+    return (diffracted + pigmented) * (frame.irradiance.rgb * (PI * falloff(at)));
 }
 
 // Returns the reflection of the surroundings by the specular order, from their radiance in the mirrored direction.
-vec3 of_surroundings(ivec2 pixel, vec3 to_view) {
-    if (!MIRRORED || to_view.z <= HORIZON) {
+vec3 of_surroundings(SurfacePoint at) {
+    if (!MIRRORED || at.to_view.z <= HORIZON) {
         return vec3(0.0);
     }
-    Pair pair = pair_of(vec3(-to_view.xy, to_view.z), to_view, source.index);
-    return LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * texelFetch(mirrored, pixel, 0).rgb / to_view.z;
+    Pair pair = pair_of(vec3(-at.to_view.xy, at.to_view.z), at.to_view, source.index);
+    return LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_radiance(at) / at.to_view.z;
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 stored = texelFetch(directions, pixel, 0);
     radiance = vec4(0.0);
-    if (MARKED && !covered(stored)) {
+    if (MARKED && !covered(texelFetch(facing, pixel, 0))) {
         return;
     }
-    vec3 to_view = unprojected(stored.xy);
-    radiance = vec4(of_surroundings(pixel, to_view) + of_light(pixel, unprojected(stored.zw), to_view), coverage);
+    SurfacePoint at = surface_at(pixel);
+    bool lit = above_horizon(direction_of_light(at), at.to_view) && !(SHADOWS && in_shadow(at));
+    radiance = vec4(of_surroundings(at) + (lit ? of_light(pixel, at) : vec3(0.0)), coverage);
 }

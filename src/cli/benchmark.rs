@@ -20,7 +20,7 @@ use crate::render::object::{ObjectData, ObjectSources};
 use crate::render::pigment::Pigment;
 use crate::render::rays::{RayObject, RayScene, RaySettings};
 use crate::render::reference_picture::{PixelReference, covered, displayed};
-use crate::render::renderer::{Picture, Renderer};
+use crate::render::renderer::{Picture, Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
@@ -239,10 +239,8 @@ impl BenchmarkScene {
         let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
         let sources = &ObjectSources::new(source.clone(), shading.clone());
         let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
-        let mut renderer = Renderer::new(&self.device, &[object], self.size)?;
-        if self.scene.shadows {
-            renderer.cast_shadows()?;
-        }
+        let settings = RendererSettings { shadows: self.scene.shadows, ..RendererSettings::default() };
+        let mut renderer = Renderer::new(&self.device, &[object], self.size, settings)?;
         let directions = (0..self.view.light_count())
             .map(|light| renderer.directions(&self.view, light))
             .collect::<Result<Vec<_>>>()?;

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::setup::{self, Method, Settings};
 use crate::units;
-use crate::viewer::{self, LastView, SceneFiles, Start};
+use crate::viewer::{self, LastView, OpticsSettings, SceneFiles, Start, ViewSettings};
 use ash::vk;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, ValueEnum};
 use std::ffi::{OsStr, OsString};
@@ -118,23 +118,34 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
     if surface.kind().is_none() {
         surface.load()?; // a file that is none is told before a window opens
     }
-    Ok(Start {
-        name: utf8(&arguments.scene)?,
-        measures_exposure: scene.auto_exposure,
-        scene,
-        plain,
-        surface,
+    let optics = OpticsSettings {
         windows: shading.windows,
-        beyond: shading.beyond,
         basis: shading.basis,
         tolerance: shading.tolerance,
         terms: shading.terms,
         wavelengths: shading.wavelengths,
+    };
+    let settings = ViewSettings {
+        scene: utf8(&arguments.scene)?,
+        surface,
+        optics,
         coherence: shading.coherence,
+        beyond: shading.beyond,
         reflectance: shading.reflectance,
         illuminant: utf8(&arguments.colour.illuminant)?,
-        size: arguments.size,
+        surroundings: scene.environment.as_ref().map(|around| around.placement).unwrap_or_default(),
+        exposure: scene.exposure,
+        tone: scene.tone,
+        base_color: scene.main_object().base_color,
+        camera: scene.camera,
+        lights: scene.lights,
         samples: arguments.samples,
+    };
+    Ok(Start {
+        measures_exposure: scene.auto_exposure,
+        settings,
+        plain,
+        size: arguments.size,
         fps: arguments.fps,
         present: match arguments.present {
             Present::Fifo => vk::PresentModeKHR::FIFO,

@@ -21,8 +21,8 @@ pub struct Directions {
     pub light: Vec<[f32; 4]>,
     /// ω_r per pixel (w: 1 if covered).
     pub view: Vec<[f32; 4]>,
-    /// du/dx, dv/dx, du/dy, dv/dy per pixel, as in [`Geometry::footprints`](super::target::Geometry::footprints); zero
-    /// at uncovered pixels. Empty if the renderer writes no footprints.
+    /// du/dx, dv/dx, du/dy, dv/dy per pixel, x to the right and y downward; zero at uncovered pixels. Empty if rays were
+    /// cast without them.
     pub footprints: Vec<[f32; 4]>,
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub filter: f64,
@@ -65,8 +65,7 @@ impl Directions {
         self.irradiance * self.falloffs.get(i).map_or(1.0, |&falloff| f64::from(falloff))
     }
 
-    /// Returns the covariance of (u, v) that shading averages over at pixel number `i`; zero if the renderer was not
-    /// asked for footprints.
+    /// Returns the covariance of (u, v) that shading averages over at pixel number `i`; zero without footprints.
     pub fn covariance(&self, i: usize) -> Covariance {
         let Some(&footprint) = self.footprints.get(i) else { return Covariance::default() };
         let [a, b, c, d] = footprint.map(f64::from);

@@ -6,7 +6,7 @@ use super::frame::View;
 use super::light_passes::LightPass;
 use super::object::{ObjectData, ObjectSources};
 use super::pigment::Pigment;
-use super::renderer::Renderer;
+use super::renderer::{Renderer, RendererSettings};
 use super::sampling::Sampling;
 use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
@@ -90,8 +90,8 @@ pub fn sizes(
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
-    let mut renderer = Renderer::new(device, &[ObjectData::new(mesh, &pigment, &sources)], size)?;
-    renderer.ask_for_footprints()?;
+    let objects = [ObjectData::new(mesh, &pigment, &sources)];
+    let mut renderer = Renderer::new(device, &objects, size, RendererSettings::default())?;
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {
         let mut of = |sampling: &Sampling| {
             let directions =

@@ -1,10 +1,10 @@
-//! Descriptor set 0 of the graphics stages: the frame, the pigment and the images of the geometry pass. Its twins are
-//! `shaders/frame.glsl` and `shaders/pixel.glsl`.
+//! Descriptor set 0 of the graphics stages: the frame, the pigment and the G-buffer. Its twins are
+//! `shaders/frame.glsl` and `shaders/gbuffer.glsl`.
 
+use super::gbuffer::GBuffer;
 use super::grooves::GrooveDirections;
 use super::pigment::Pigment;
 use super::surroundings::Surroundings;
-use super::target::Geometry;
 use super::upload;
 use crate::error::Result;
 use crate::scene::environment::Environment;
@@ -37,7 +37,8 @@ pub struct FrameBlock {
     pub irradiance: [f32; 4],
     /// Albedo of the pigment; w: 1 if the texture is used.
     pub base_color: [f32; 4],
-    /// Cosine and sine of the angle by which the patch is turned, if the angle is constant over the object; zw unused.
+    /// Cosine and sine of the angle by which the patch is turned, if the angle is constant over the object; size of a
+    /// pixel in clip space.
     pub grooves: [f32; 4],
     /// Orientation and scale of the surroundings: cosine and sine of their rotation, value of a stored 1, and variance
     /// of (u, v) of the specular order.
@@ -84,20 +85,20 @@ pub mod binding {
     pub const FRAME: u32 = 0;
     /// Pigment texture.
     pub const PIGMENT: u32 = 1;
-    /// ω_r and ω_i of every pixel.
-    pub const DIRECTIONS: u32 = 2;
-    /// Pigment of every pixel, and the falloff of a lamp there.
-    pub const ALBEDOS: u32 = 3;
-    /// Footprints of every pixel.
-    pub const FOOTPRINTS: u32 = 4;
-    /// Radiance of the surroundings in the mirrored direction of every pixel.
-    pub const MIRRORED: u32 = 5;
+    /// [`super::GBuffer::facing`], the first of the G-buffer's images.
+    pub const FACING: u32 = 2;
+    /// [`super::GBuffer::orientation`].
+    pub const ORIENTATION: u32 = 3;
+    /// [`super::GBuffer::curving`].
+    pub const CURVING: [u32; 2] = [4, 5];
     /// Depth from the light.
     pub const SHADOW: u32 = 6;
     /// Picture of the surroundings.
     pub const SURROUNDINGS: u32 = 7;
     /// Map of groove directions.
     pub const GROOVES: u32 = 8;
+    /// [`super::GBuffer::albedo`].
+    pub const ALBEDOS: u32 = 9;
 }
 
 /// Descriptor set 0 and the buffers and images bound to it.
@@ -115,7 +116,7 @@ pub struct FrameSet {
 }
 
 impl FrameSet {
-    /// Makes the set of a frame with `pigment`, `grooves` and the images of `geometry`.
+    /// Makes the set of a frame with `pigment`, `grooves` and the images of `gbuffer`.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
@@ -123,11 +124,11 @@ impl FrameSet {
         device: &Arc<Device>,
         pigment: &Pigment,
         grooves: &GrooveDirections,
-        geometry: &Geometry,
+        gbuffer: &GBuffer,
     ) -> Result<Self> {
         use vk::DescriptorType as T;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let images = (binding::PIGMENT..=binding::GROOVES).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
+        let images = (binding::PIGMENT..=binding::ALBEDOS).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
         let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
             .chain(images)
             .map(|(number, kind)| Binding { number, kind, stages })
@@ -162,22 +163,23 @@ impl FrameSet {
             environment_sampler,
             surroundings: None,
         };
-        set.read_from(geometry);
+        set.read_from(gbuffer);
         set.read_shadow(None);
         Ok(set)
     }
 
-    /// Points the set at the images of the geometry pass. The device must not be using the set.
-    pub fn read_from(&self, geometry: &Geometry) {
-        let there = &geometry.directions;
-        self.descriptors.image(binding::DIRECTIONS, there, &self.edge);
+    /// Points the set at the images of `gbuffer`. The device must not be using the set.
+    pub fn read_from(&self, gbuffer: &GBuffer) {
+        let [right, down] = &gbuffer.curving;
         let images = [
-            (binding::ALBEDOS, &geometry.albedo),
-            (binding::FOOTPRINTS, &geometry.footprints),
-            (binding::MIRRORED, &geometry.mirrored),
+            (binding::FACING, &gbuffer.facing),
+            (binding::ORIENTATION, &gbuffer.orientation),
+            (binding::CURVING[0], right),
+            (binding::CURVING[1], down),
+            (binding::ALBEDOS, gbuffer.albedo.as_ref().unwrap_or(&gbuffer.facing)),
         ];
         for (number, image) in images {
-            self.descriptors.image(number, image.as_ref().unwrap_or(there), &self.edge);
+            self.descriptors.image(number, image, &self.edge);
         }
     }
 

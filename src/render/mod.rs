@@ -1,8 +1,6 @@
 //! Rendering: joins optics and Vulkan. Contains the layers as textures, the tables of the shaders, passes, frames and
 //! targets. No other module uses both sides.
 
-pub mod accumulate;
-mod background;
 pub mod device_brdf;
 pub mod device_mesh;
 pub mod directions;
@@ -11,9 +9,11 @@ pub mod exposure;
 pub mod footprints;
 pub mod frame;
 pub mod frame_set;
+pub mod gbuffer;
 pub mod grooves;
 pub mod light_passes;
 pub mod object;
+pub mod passes;
 pub mod pigment;
 pub mod rays;
 pub mod reference_picture;
@@ -21,7 +21,7 @@ pub mod renderer;
 pub mod sampling;
 pub mod sequence;
 pub mod shading;
-pub mod shadows;
+pub mod shadow_map;
 pub mod source;
 mod surroundings;
 pub mod tables;

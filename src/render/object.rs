@@ -2,11 +2,11 @@
 
 use super::device_mesh::DeviceMesh;
 use super::frame_set::{FrameBlock, FrameSet};
+use super::gbuffer::GBuffer;
 use super::grooves::{GrooveDirections, Layout};
 use super::pigment::Pigment;
 use super::shading::Shading;
 use super::source::Source;
-use super::target::Geometry;
 use crate::error::Result;
 use crate::scene::{Mesh, Object, Scene};
 use crate::vk::device::Device;
@@ -139,14 +139,14 @@ pub struct DeviceObject {
 }
 
 impl DeviceObject {
-    /// Uploads `data`, for frames with the images of `geometry`.
+    /// Uploads `data`, for frames with the images of `gbuffer`.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn new(device: &Arc<Device>, data: &ObjectData<'_>, geometry: &Geometry) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, data: &ObjectData<'_>, gbuffer: &GBuffer) -> Result<Self> {
         Ok(Self {
             mesh: DeviceMesh::new(device, data.mesh)?,
-            frame: FrameSet::new(device, data.pigment, data.grooves, geometry)?,
+            frame: FrameSet::new(device, data.pigment, data.grooves, gbuffer)?,
             layout: data.grooves.layout,
             casts_shadows: data.casts_shadows,
             turn: data.grooves.turn,
@@ -159,7 +159,7 @@ impl DeviceObject {
     /// of (u, v).
     pub fn block(&self, mut block: FrameBlock, specular_spread: f32) -> FrameBlock {
         block.surroundings[3] = specular_spread;
-        block.grooves = [self.turn[0], self.turn[1], 0.0, 0.0];
+        block.grooves[..2].copy_from_slice(&self.turn);
         if let Some(color) = self.base_color {
             block.base_color = color.extend(1.0).to_array();
         }

@@ -1,20 +1,26 @@
 //! Offscreen picture, as written by `diffract render`.
 
-use super::accumulate::{Accumulation, Addition};
-use super::background::BackgroundPass;
 use super::evaluator::{Query, QueryPass};
-use super::frame::{
-    DisplayPass, GeometryPass, PixelPass, Probe, ShadedObject, Shown, View, begin_shading, record_shading,
-};
+use super::frame::{Shown, View};
+use super::gbuffer::{GBuffer, GBufferSettings};
 use super::light_passes::{LightPass, all_lights};
 use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
+use super::passes::accumulate::{Accumulation, Addition};
+use super::passes::background::BackgroundPass;
+use super::passes::display::DisplayPass;
+use super::passes::geometry::GeometryPass;
+use super::passes::light_directions::LightDirections;
+use super::passes::probe::{Probe, ProbePass};
+use super::passes::shade::{self, LightKind, ShadePass, ShadedObject};
+use super::passes::shadow::ShadowPass;
 use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::{BoundSource, Source};
-use super::target::{self, Geometry, GeometrySettings, Target};
+use super::target::{self, Target};
 use crate::error::{Error, Result};
 use crate::optics::color;
 use crate::optics::spectrum::Illuminant;
+use crate::scene::Light;
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
@@ -37,11 +43,13 @@ use timing::DrawTimes;
 pub struct Renderer {
     commands: Commands,
     geometry_pass: GeometryPass,
+    // Present if the objects cast shadows.
+    shadow_pass: Option<ShadowPass>,
     // At least one.
     objects: Vec<DeviceObject>,
     // Shadings in the order of the objects, one or more for each.
     shadings: Vec<ObjectShading>,
-    geometry: Geometry,
+    gbuffer: GBuffer,
     display: DisplayPass,
     target: Target,
     timestamps: Timestamps,
@@ -54,11 +62,13 @@ pub struct Renderer {
     accumulation: Option<Accumulation>,
     // Made for the first picture that shows its surroundings.
     background: Option<BackgroundPass>,
+    // Made for the first read-back.
+    light_directions: Option<LightDirections>,
     // Settings of the samples in the sum.
     summed: Option<samples::Summed>,
-    // Settings of the `Frame` block, and of the geometry images.
-    block_input: Option<GeometryInput>,
-    image_input: Option<GeometryInput>,
+    // Settings of the `Frame` block, and of the last draw that used the G-buffer.
+    block_input: Option<PassInput>,
+    image_input: Option<PassInput>,
     device: Arc<Device>,
 }
 
@@ -72,47 +82,36 @@ struct ObjectShading {
     // White of the illuminant, linear sRGB.
     white: Vec3,
     source: BoundSource,
-    pass: PixelPass,
+    pass: ShadePass,
     // Variance of (u, v) of the specular order, if surroundings are read in the mirrored direction.
     specular_spread: Option<f32>,
 }
 
 impl ObjectShading {
-    /// Returns the draw call of this shading on its object among `objects`. `mirrored`: the light is the surroundings,
-    /// whose specular order is reflected. `counts`: the draw adds 1 to the coverage of its pixels.
-    fn of<'a>(&'a self, objects: &'a [DeviceObject], mirrored: bool, counts: bool) -> ShadedObject<'a> {
+    /// Returns the draw call of this shading on its object among `objects`, under a light of this `kind`. `counts`: the
+    /// draw adds 1 to the coverage of its pixels.
+    fn of<'a>(&'a self, objects: &'a [DeviceObject], kind: LightKind, counts: bool) -> ShadedObject<'a> {
         let Self { object: number, white, source, pass, .. } = self;
-        ShadedObject {
-            number: *number,
-            object: &objects[*number],
-            source,
-            pass,
-            mirrored,
-            white: *white,
-            counts,
-        }
+        ShadedObject { number: *number, object: &objects[*number], source, pass, kind, white: *white, counts }
     }
 }
 
-/// Makes the shadings of `object` from `sources`, for the output of a geometry pass with `settings`.
-fn object_shadings(
-    device: &Arc<Device>,
-    (number, object): (usize, &DeviceObject),
-    sources: Vec<(BoundSource, &Illuminant)>,
-    settings: GeometrySettings,
-) -> Result<Vec<ObjectShading>> {
-    let shading = |(place, (source, illuminant)): (usize, (BoundSource, &Illuminant))| {
-        Ok(ObjectShading {
-            object: number,
-            is_first: place == 0,
-            illuminant: illuminant.clone(),
-            white: white_of(illuminant),
-            pass: PixelPass::shading(device, &object.frame.descriptors, &source, settings)?,
-            specular_spread: source.specular_spread,
-            source,
-        })
-    };
-    sources.into_iter().enumerate().map(shading).collect()
+/// Returns the shadings of object `number` from `sources`. They mirror a specular order of the variance `spread`, if it is
+/// given, instead of that of the source.
+fn object_shadings<'a>(
+    number: usize,
+    sources: Vec<(BoundSource, &'a Illuminant)>,
+    spread: Option<f64>,
+) -> impl Iterator<Item = ObjectShading> + use<'a> {
+    sources.into_iter().enumerate().map(move |(place, (source, illuminant))| ObjectShading {
+        object: number,
+        is_first: place == 0,
+        illuminant: illuminant.clone(),
+        white: white_of(illuminant),
+        pass: ShadePass::default(),
+        specular_spread: spread.map(|spread| spread as f32).or(source.specular_spread),
+        source,
+    })
 }
 
 /// Returns the colour of a white diffuse surface under `illuminant`, linear sRGB.
@@ -120,12 +119,30 @@ fn white_of(illuminant: &Illuminant) -> Vec3 {
     color::xyz_to_linear_srgb(illuminant.white()).as_vec3()
 }
 
-/// Input of the geometry pass.
+/// Settings of a renderer, which hold for all of its pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RendererSettings {
+    /// True if the objects cast shadows on themselves and on each other.
+    pub shadows: bool,
+    /// Variance of (u, v) of the specular order in [`Directions::mirrored`](super::directions::Directions::mirrored), in
+    /// place of that of the sources. Sources without a separate specular order mirror nothing by default.
+    pub specular_spread: Option<f64>,
+}
+
+/// Input of a pass: view, light and sample.
 #[derive(Clone, PartialEq)]
-struct GeometryInput {
+struct PassInput {
     view: View,
     pass: LightPass,
     size: [u32; 2],
+}
+
+impl PassInput {
+    /// Returns true if pixels see the same surface points, whatever the lights.
+    fn sees_the_same_as(&self, other: &Self) -> bool {
+        let sample = |input: &Self| (input.pass.sample.jitter, input.pass.sample.footprint);
+        self.size == other.size && sample(self) == sample(other) && self.view.sees_the_same_as(&other.view)
+    }
 }
 
 /// View, size and passes to draw into the radiance.
@@ -179,7 +196,12 @@ impl Renderer {
     ///
     /// # Errors
     /// Fails if the device is out of memory, or if there is no object.
-    pub fn new(device: &Arc<Device>, objects: &[ObjectData<'_>], size: [u32; 2]) -> Result<Self> {
+    pub fn new(
+        device: &Arc<Device>,
+        objects: &[ObjectData<'_>],
+        size: [u32; 2],
+        settings: RendererSettings,
+    ) -> Result<Self> {
         if objects.is_empty() {
             return Err(Error::failed("there is no object", "report this as a bug of diffract"));
         }
@@ -188,32 +210,31 @@ impl Renderer {
         for object in objects {
             sources.push(object.sources.all().map(bind).collect::<Result<Vec<_>>>()?);
         }
-        let settings = GeometrySettings {
+        let gbuffer_settings = GBufferSettings {
             textured: objects.iter().any(|object| object.pigment.is_textured()),
             marked: sources.iter().flatten().any(|source| source.asks_what_is_covered),
-            footprints: sources.iter().flatten().any(|source| source.reads_footprints),
             several: objects.len() > 1,
-            ..GeometrySettings::default()
         };
-        let geometry = Geometry::new(device, size, settings)?;
+        let gbuffer = GBuffer::new(device, size, gbuffer_settings)?;
         let target = Target::new(device, size)?;
-        let display = DisplayPass::new(device, target::DISPLAY, settings.depth_format())?;
+        let display = DisplayPass::new(device, target::DISPLAY, gbuffer_settings.depth_format())?;
         display.read_from(&target.radiance);
-        let upload = |object: &ObjectData<'_>| DeviceObject::new(device, object, &geometry);
-        let data = objects;
-        let objects = data.iter().map(upload).collect::<Result<Vec<_>>>()?;
         let mut shadings = Vec::new();
-        for (number, (own, bound)) in data.iter().zip(sources).enumerate() {
+        for (number, (own, bound)) in objects.iter().zip(sources).enumerate() {
             let illuminants = own.sources.all().map(|of| &of.shading.illuminant);
             let bound = bound.into_iter().zip(illuminants).collect();
-            shadings.extend(object_shadings(device, (number, &objects[number]), bound, settings)?);
+            shadings.extend(object_shadings(number, bound, settings.specular_spread));
         }
+        let upload = |object: &ObjectData<'_>| DeviceObject::new(device, object, &gbuffer);
+        let objects = objects.iter().map(upload).collect::<Result<Vec<_>>>()?;
+        let shadow_pass = settings.shadows.then(|| ShadowPass::new(device, &objects, size)).transpose()?;
         Ok(Self {
             commands: Commands::new(device, "frame")?,
-            geometry_pass: GeometryPass::new(device, &objects, &geometry)?,
+            geometry_pass: GeometryPass::new(device, &objects, &gbuffer)?,
+            shadow_pass,
             shadings,
             objects,
-            geometry,
+            gbuffer,
             display,
             target,
             timestamps: Timestamps::new(device, 4)?,
@@ -222,6 +243,7 @@ impl Renderer {
             shows: Content::Nothing,
             accumulation: None,
             background: None,
+            light_directions: None,
             summed: None,
             block_input: None,
             image_input: None,
@@ -234,11 +256,16 @@ impl Renderer {
     /// # Errors
     /// Fails if the device is out of memory.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<()> {
-        if [self.target.size(), self.geometry.directions.size()] == [size; 2] {
+        if self.target.size() == size && self.gbuffer.size() == size {
             return Ok(());
         }
         self.invalidate();
-        self.make_geometry_again(size, self.geometry.settings)?;
+        let gbuffer = GBuffer::new(&self.device, size, self.gbuffer.settings)?;
+        if self.shadow_pass.is_some() {
+            self.shadow_pass = Some(ShadowPass::new(&self.device, &self.objects, size)?);
+        }
+        self.objects.iter().for_each(|object| object.frame.read_from(&gbuffer));
+        (self.gbuffer, self.light_directions) = (gbuffer, None);
         self.target = Target::new(&self.device, size)?;
         self.display.read_from(&self.target.radiance);
         if let Some(accumulation) = &mut self.accumulation {
@@ -248,77 +275,16 @@ impl Renderer {
         Ok(())
     }
 
-    /// Makes the geometry pass and its images for `size` pixels, and the shading passes if they depend on the settings.
-    /// On an error the former ones stay.
-    fn make_geometry_again(&mut self, size: [u32; 2], settings: GeometrySettings) -> Result<()> {
-        let geometry = Geometry::new(&self.device, size, settings)?;
-        let of_shading = |s: GeometrySettings| (s.mirrored, s.lamps);
-        let same = of_shading(settings) == of_shading(self.geometry.settings);
-        let shade = |own: &ObjectShading| {
-            let frame = &self.objects[own.object].frame.descriptors;
-            PixelPass::shading(&self.device, frame, &own.source, settings)
-        };
-        let changed = if same { &[] } else { self.shadings.as_slice() };
-        let passes = changed.iter().map(shade).collect::<Result<Vec<_>>>()?;
-        self.geometry_pass = GeometryPass::new(&self.device, &self.objects, &geometry)?;
-        self.shadings.iter_mut().zip(passes).for_each(|(shading, pass)| shading.pass = pass);
-        self.objects.iter().for_each(|object| object.frame.read_from(&geometry));
-        self.geometry = geometry;
-        self.image_input = None;
-        Ok(())
-    }
-
-    /// Makes the geometry pass write footprints too, so that [`Self::directions`] contain them.
-    ///
-    /// # Errors
-    /// Fails if the device is out of memory.
-    pub fn ask_for_footprints(&mut self) -> Result<()> {
-        let settings = GeometrySettings { footprints: true, ..self.geometry.settings };
-        if settings != self.geometry.settings {
-            self.invalidate();
-            self.make_geometry_again(self.target.size(), settings)?;
-        }
-        Ok(())
-    }
-
-    /// Makes the geometry pass write the radiance of surroundings in the mirrored direction too, averaged over a
-    /// specular order of variance `spread` in (u, v), so that [`Self::directions`] contain it. For sources with a
-    /// separate specular order this is the default.
-    pub fn ask_for_mirrored(&mut self, spread: f64) {
-        self.invalidate();
-        self.shadings.iter_mut().for_each(|shading| shading.specular_spread = Some(spread as f32));
-    }
-
-    /// Makes the objects cast shadows on themselves and on each other.
-    ///
-    /// # Errors
-    /// Fails if the device is out of memory.
-    pub fn cast_shadows(&mut self) -> Result<()> {
-        let settings = GeometrySettings { shadows: true, ..self.geometry.settings };
-        if settings != self.geometry.settings {
-            self.invalidate();
-            self.make_geometry_again(self.target.size(), settings)?;
-        }
-        Ok(())
-    }
-
-    /// Sets the surroundings of the following frames to those of `view`. If a source has a separate specular order, the
-    /// geometry pass writes the radiance in the mirrored direction. Returns the radiance of a stored 1 of the uploaded
-    /// picture.
+    /// Sets the surroundings of the following frames to those of `view`, if they are shown or mirrored. Returns the
+    /// radiance of a stored 1 of the uploaded picture.
     fn bind_environment(&mut self, view: &View) -> Result<f32> {
-        let known = self.shadings.iter().any(|shading| shading.specular_spread.is_some());
-        let mirrored = view.environment.as_ref().filter(|_| known);
-        self.use_geometry(GeometrySettings {
-            mirrored: mirrored.is_some(),
-            lamps: view.has_lamps(),
-            ..self.geometry.settings
-        })?;
         let shown = view.background();
         if shown.is_some() && self.background.is_none() {
-            let depth_format = self.geometry.settings.depth_format();
+            let depth_format = self.gbuffer.settings.depth_format();
             self.background = Some(BackgroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
             self.bind_background();
         }
+        let mirrored = view.environment.as_ref().filter(|_| self.mirrors_surroundings());
         let Some(environment) = mirrored.or(shown) else { return Ok(0.0) };
         let Some((first, others)) = self.objects.split_first_mut() else { return Ok(0.0) };
         let unit = first.frame.bind_environment(&self.device, environment)?;
@@ -333,16 +299,6 @@ impl Renderer {
                 self.accumulation.as_ref().map_or(&self.target.radiance, |accumulation| &accumulation.sum);
             background.read_from(sum);
         }
-    }
-
-    fn use_geometry(&mut self, settings: GeometrySettings) -> Result<()> {
-        if settings == self.geometry.settings {
-            return Ok(());
-        }
-        if self.shows == Content::Sample {
-            self.shows = Content::Nothing;
-        }
-        self.make_geometry_again(self.target.size(), settings)
     }
 
     /// Marks the displayed picture and the sum as invalid.
@@ -370,7 +326,6 @@ impl Renderer {
         sources: impl IntoIterator<Item = &'a ObjectSources>,
     ) -> Result<()> {
         self.invalidate();
-        let settings = self.geometry.settings;
         let sources = sources.into_iter().flat_map(ObjectSources::all);
         for (own, ObjectSource { source, shading }) in self.shadings.iter_mut().zip(sources) {
             source.rebind(&self.device, &mut own.source, shading)?;
@@ -378,7 +333,6 @@ impl Renderer {
                 own.illuminant.clone_from(&shading.illuminant);
                 own.white = white_of(&shading.illuminant);
             }
-            own.pass.parts = own.source.parts(settings.mirrored);
         }
         Ok(())
     }
@@ -422,16 +376,17 @@ impl Renderer {
         Ok(times.map(|times| times.total()))
     }
 
-    /// Returns the number of parts of a pixel's sum.
-    fn parts(&self) -> u32 {
-        self.shadings.iter().map(|own| own.pass.parts).max().unwrap_or(1)
+    /// Returns the number of parts of a pixel's sum under a light of this `kind`.
+    fn parts(&self, kind: LightKind) -> u32 {
+        self.shadings.iter().map(|own| own.source.parts(kind.mirrored)).max().unwrap_or(1)
     }
 
     /// Draws `drawn` pass by pass, each in a single submission.
     fn draw_whole(&mut self, drawn: DrawRequest<'_>, finish: FinalStep) -> Result<()> {
         for number in 0..drawn.passes.len() {
             self.write(drawn.view, drawn.size, &drawn.passes[number])?;
-            let piece = Piece::whole(drawn.size, self.parts());
+            let kind = self.kind(drawn.view, &drawn.passes[number]);
+            let piece = Piece::whole(drawn.size, self.parts(kind));
             self.submit(drawn, number, piece, finish)?;
         }
         Ok(())
@@ -449,10 +404,10 @@ impl Renderer {
         let mut total = DrawTimes::default();
         for (number, pass) in passes.iter().enumerate() {
             self.write(view, size, pass)?;
-            let surrounded = self.geometry.settings.mirrored;
-            let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(surrounded);
+            let kind = self.kind(view, pass);
+            let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(kind.mirrored);
             let iterations = self.shadings.iter().map(iterations).max().unwrap_or(0);
-            let mut tiles = Tiles::new(size, self.pixel_time, iterations, self.parts());
+            let mut tiles = Tiles::new(size, self.pixel_time, iterations, self.parts(kind));
             loop {
                 let done = (number as f64 + tiles.drawn()) / count;
                 let Some(piece) = tiles.next_piece() else { break };
@@ -477,7 +432,7 @@ impl Renderer {
         let target = &self.target;
         let frame = &self.objects[0].frame.descriptors;
         let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
-        let display = Display::new((&self.geometry, target), &self.display, background, frame, block_input);
+        let display = Display::new((&self.gbuffer, target), &self.display, background, frame, block_input);
         let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
             Content::Nothing | Content::PictureArea => return Ok(false),
@@ -500,8 +455,9 @@ impl Renderer {
         Ok(true)
     }
 
-    /// Draws a `piece` of pass number `number`, whose `Frame` block is written. The first piece includes the geometry,
-    /// the last piece of a pass its addition, and the last piece of all the remaining steps of `finish`.
+    /// Draws a `piece` of pass number `number`, whose `Frame` block is written. The first piece of a pass includes the
+    /// depth from its light and the G-buffer, unless they are up to date, the last piece of a pass its addition, and the
+    /// last piece of all the remaining steps of `finish`.
     fn submit(
         &mut self,
         drawn: DrawRequest<'_>,
@@ -511,38 +467,42 @@ impl Renderer {
     ) -> Result<DrawTimes> {
         let DrawRequest { view, size, passes } = drawn;
         let pass = passes[number];
-        let (first, last) = (piece.is_first(), piece.is_last(size, self.parts()));
+        let kind = self.kind(view, &pass);
+        let (first, last) = (piece.is_first(), piece.is_last(size, self.parts(kind)));
         // Added passes are pictures in themselves; others accumulate in the radiance.
         let is_new = number == 0 || matches!(finish, FinalStep::Add { .. });
         let finishes = last && number + 1 == passes.len();
         let Piece { tile, parts } = piece;
-        let (geometry, target) = (&self.geometry, &self.target);
+        let is_stale = first && !self.gbuffer_is_current();
+        let (gbuffer, target) = (&self.gbuffer, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
         let frame = &self.objects[0].frame.descriptors;
         let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
-        let mirrored = self.mirrors(view, &pass);
-        let shaded = shaded(&self.shadings, objects, view, &pass, mirrored);
-        let display = Display::new((geometry, target), &self.display, background, frame, block_input);
+        let shaded = shaded(&self.shadings, objects, view, &pass, kind);
+        let display = Display::new((gbuffer, target), &self.display, background, frame, block_input);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
         }
-        if first {
+        if is_stale {
             self.image_input = None;
         }
         self.commands.run(|record| {
             let (all, some) = (record.within(size, 0..size[1]), record.tile(size, tile));
             record.reset(&self.timestamps);
             record.timestamp(&self.timestamps, 0);
-            if first {
-                self.geometry_pass.record(&all, geometry, objects, mirrored);
+            if let Some(shadow_pass) = self.shadow_pass.as_ref().filter(|_| first) {
+                shadow_pass.record(&all, objects);
+            }
+            if is_stale {
+                self.geometry_pass.record(&all, gbuffer, objects);
             }
             record.timestamp(&self.timestamps, 1);
             if first && is_new {
-                begin_shading(&some, target);
+                shade::begin(&some, target);
             }
             let begins = is_new && parts.start == 0;
-            record_shading(&some, (geometry, target), &shaded, parts, begins);
+            shade::record(&some, (gbuffer, target), &shaded, parts, begins);
             record.timestamp(&self.timestamps, 2);
             match (finish, accumulation) {
                 (FinalStep::Add { before, samples, shown }, Some(accumulation)) if last => {
@@ -583,9 +543,24 @@ impl Renderer {
         Ok(DrawTimes { geometry: times[0], shading: times[1], finish: times[2] })
     }
 
-    /// Returns true if the light of `pass` is the surroundings of `view` and their specular order is reflected.
-    fn mirrors(&self, view: &View, pass: &LightPass) -> bool {
-        self.geometry.settings.mirrored && view.is_surroundings(pass.light)
+    /// Returns true if the specular order of surroundings is reflected separately.
+    fn mirrors_surroundings(&self) -> bool {
+        self.shadings.iter().any(|shading| shading.specular_spread.is_some())
+    }
+
+    /// Returns the kind of the light of `pass`.
+    fn kind(&self, view: &View, pass: &LightPass) -> LightKind {
+        LightKind {
+            mirrored: view.is_surroundings(pass.light) && self.mirrors_surroundings(),
+            lamp: view.lights.get(pass.light).is_some_and(Light::is_lamp),
+            shadows: self.shadow_pass.is_some(),
+        }
+    }
+
+    /// Returns true if the G-buffer holds the surfaces that the written `Frame` block describes.
+    fn gbuffer_is_current(&self) -> bool {
+        let inputs = self.image_input.as_ref().zip(self.block_input.as_ref());
+        inputs.is_some_and(|(found, wanted)| found.sees_the_same_as(wanted))
     }
 
     /// Returns the device that draws.
@@ -596,11 +571,6 @@ impl Renderer {
     /// Returns the images of the pictures.
     pub fn target(&self) -> &Target {
         &self.target
-    }
-
-    /// Returns the images of the geometry pass.
-    pub fn geometry(&self) -> &Geometry {
-        &self.geometry
     }
 
     /// Returns f·cos θ_i \[sr⁻¹\] of single directions, as [`super::evaluator::Evaluator::cosine_weighted`].
@@ -624,7 +594,7 @@ impl Renderer {
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
         let probe = Probe { samples, scattered: scattered.into() };
         let pass =
-            PixelPass::probe(&self.device, &self.objects[0].frame.descriptors, &self.shadings[0].source)?;
+            ProbePass::new(&self.device, &self.objects[0].frame.descriptors, &self.shadings[0].source)?;
         self.invalidate();
         let target = &self.target;
         let sets = [&self.objects[0].frame.descriptors, &self.shadings[0].source.descriptors];
@@ -633,7 +603,7 @@ impl Renderer {
             self.commands.run(|record| {
                 record.reset(&self.timestamps);
                 record.timestamp(&self.timestamps, 0);
-                pass.record_probe(record, target, sets, probe);
+                pass.record(record, target, sets, probe);
                 (1..4).for_each(|stamp| record.timestamp(&self.timestamps, stamp));
                 Ok(())
             })?;
@@ -695,8 +665,23 @@ impl Renderer {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }
-        self.geometry_pass.select_shadow(&self.device, &self.objects, pass.light, &block)?;
-        self.block_input = Some(GeometryInput { view: view.clone(), pass: *pass, size });
+        if let Some(shadow_pass) = &mut self.shadow_pass {
+            shadow_pass.select(&self.device, &self.objects, pass.light, block.shadow_from_world)?;
+        }
+        self.prepare_shading(view, pass)?;
+        self.block_input = Some(PassInput { view: view.clone(), pass: *pass, size });
+        Ok(())
+    }
+
+    /// Makes the pipelines of the shadings under the light of `pass`, unless they are there already.
+    fn prepare_shading(&mut self, view: &View, pass: &LightPass) -> Result<()> {
+        let (kind, illuminant) = (self.kind(view, pass), view.illuminant(pass.light));
+        let used: Vec<bool> =
+            self.shadings.iter().map(|own| shades(own, &self.shadings, illuminant)).collect();
+        for (own, _) in self.shadings.iter_mut().zip(used).filter(|(_, used)| *used) {
+            let frame = &self.objects[own.object].frame.descriptors;
+            own.pass.prepare(&self.device, kind, frame, &own.source, self.gbuffer.settings)?;
+        }
         Ok(())
     }
 
@@ -708,23 +693,22 @@ impl Renderer {
             Content::Mean => self.summed.as_ref().map(samples::Summed::first),
         };
         match shown.filter(|shown| self.block_input.as_ref() != Some(shown)) {
-            Some(GeometryInput { view, pass, size }) => self.write(&view, size, &pass),
+            Some(PassInput { view, pass, size }) => self.write(&view, size, &pass),
             None => Ok(()),
         }
     }
 }
 
-/// Returns the draw calls of a `pass` of `view` on the `objects` by `shadings`. `mirrored`: the light is the
-/// surroundings, whose specular order is reflected.
+/// Returns the draw calls of a `pass` of `view`, whose light is of this `kind`, on the `objects` by `shadings`.
 fn shaded<'a>(
     shadings: &'a [ObjectShading],
     objects: &'a [DeviceObject],
     view: &View,
     pass: &LightPass,
-    mirrored: bool,
+    kind: LightKind,
 ) -> Vec<ShadedObject<'a>> {
     let lit = shadings.iter().filter(|own| shades(own, shadings, view.illuminant(pass.light)));
-    lit.map(|own| own.of(objects, mirrored, pass.is_first)).collect()
+    lit.map(|own| own.of(objects, kind, pass.is_first)).collect()
 }
 
 /// Returns true if `own`, one of `shadings`, shades its object under a light of this `illuminant`: it has the same

@@ -55,7 +55,7 @@ pub enum Emits {
 
 impl LampPoint {
     /// Returns the irradiance of a surface at `place` that faces the point, relative to that at distance 1 on the lamp's axis. Twin of
-    /// `falloff` in `geometry.frag`.
+    /// `falloff` in `light.glsl`.
     pub fn falloff(&self, place: DVec3) -> f64 {
         match self.emits {
             Emits::AllAround { middle } => self.point.distance(place) / middle.distance(place).powi(3),

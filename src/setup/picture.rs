@@ -7,7 +7,7 @@ use crate::render::exposure;
 use crate::render::footprints;
 use crate::render::frame::{Shown, View};
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
-use crate::render::renderer::{Picture, Renderer};
+use crate::render::renderer::{Picture, Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
 use crate::render::shading::Shading;
 use crate::render::source::Source;
@@ -179,10 +179,8 @@ impl<'a> PreparedScene<'a> {
             sources.push(seen.sources(views, &mut make).map_err(named)?);
         }
         let objects = objects(scene, &textures, &sources);
-        let mut renderer = Renderer::new(device, &objects, size)?;
-        if scene.shadows {
-            renderer.cast_shadows()?;
-        }
+        let shadows = RendererSettings { shadows: scene.shadows, ..RendererSettings::default() };
+        let renderer = Renderer::new(device, &objects, size, shadows)?;
         let source = sources.swap_remove(0).own.source;
         Ok(Self { settings, shown: Shown::of(scene), source, renderer })
     }

@@ -14,7 +14,7 @@ use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::object::objects;
-use crate::render::renderer::Renderer;
+use crate::render::renderer::{Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::render::target;
@@ -517,10 +517,8 @@ fn serving<'a>(
         None => {
             let LoadedScene { scene, textures } = &*request.loaded;
             let objects = objects(scene, textures, prepared.of_objects(textures.len()));
-            let mut renderer = Renderer::new(device, &objects, request.size)?;
-            if scene.shadows {
-                renderer.cast_shadows()?;
-            }
+            let shadows = RendererSettings { shadows: scene.shadows, ..RendererSettings::default() };
+            let renderer = Renderer::new(device, &objects, request.size, shadows)?;
             let (prepared, loaded) = (prepared.clone(), request.loaded.clone());
             Slot { renderer, prepared, loaded, displayed: None }
         }

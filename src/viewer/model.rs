@@ -12,7 +12,7 @@ use super::inset::InsetRequest;
 use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
-use super::settings::{Needs, OpticsSettings, SceneSettings, ViewSettings};
+use super::settings::{Needs, OpticsSettings, ViewSettings};
 use super::surface_pane::SurfacePane;
 use crate::error::Error;
 use crate::render::frame::View;
@@ -317,8 +317,8 @@ pub struct Model {
     pub last_coherence: LastCoherence,
     /// Mesh and pigment.
     pub loaded: Arc<LoadedScene>,
-    /// Settings that came with the scene opened last.
-    pub brought: SceneSettings,
+    /// Scene opened last; a mesh that was opened since has no settings of its own.
+    pub brought: Arc<LoadedScene>,
     /// Default view, until the user chooses another.
     pub default_view: Option<DefaultView>,
     /// Prepared data.
@@ -383,7 +383,7 @@ impl Model {
                 prepared: None,
             },
             last_coherence: LastCoherence::default(),
-            brought: SceneSettings::of(&loaded.scene),
+            brought: loaded.clone(),
             default_view: None,
             settings,
             notice: environment_note(&loaded),
@@ -485,15 +485,15 @@ impl Model {
         self.settings.camera = loaded.scene.camera;
         // A measured exposure belongs to its scene.
         self.measures_exposure |= self.measured_exposure == Some(self.settings.exposure);
+        let loaded = Arc::new(loaded);
         if !is_mesh {
             self.measures_exposure |= loaded.scene.auto_exposure;
-            let brought = SceneSettings::of(&loaded.scene);
-            self.settings.change_scene(&self.brought, &brought);
-            self.brought = brought;
+            self.settings.change_scene(&self.brought.scene, &loaded.scene);
+            self.brought = loaded.clone();
         }
         self.settings.scene.clone_from(&name);
         self.applied.scene = name;
-        self.loaded = Arc::new(loaded);
+        self.loaded = loaded;
         self.choose_default_view();
         self.pacing.quality.invalidate();
         self.notice = environment_note(&self.loaded);
@@ -505,7 +505,7 @@ impl Model {
     pub fn start(&self) -> ViewSettings {
         let mut start = self.original.clone();
         if self.settings.scene != start.scene {
-            self.brought.put_into(&mut start);
+            start.bring(&self.brought.scene);
         }
         start
     }

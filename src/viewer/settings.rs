@@ -63,48 +63,6 @@ pub struct ViewSettings {
     pub samples: u32,
 }
 
-/// Settings that come with a scene, in addition to mesh and camera.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SceneSettings {
-    /// The height field.
-    pub surface: SurfaceSource,
-    /// Reflectance of the surface.
-    pub reflectance: Reflectance,
-    /// The lights.
-    pub lights: Vec<Light>,
-    /// Orientation and exposure of the surroundings, if it has any.
-    pub surroundings: Placement,
-    /// Exposure \[stops\].
-    pub exposure: f64,
-    /// Tone mapping of highlights.
-    pub tone: Tone,
-    /// Albedo of the pigment, linear sRGB.
-    pub base_color: Vec3,
-}
-
-impl SceneSettings {
-    /// Returns the settings of `scene`.
-    pub fn of(scene: &Scene) -> Self {
-        Self {
-            surface: scene.main_surface(),
-            reflectance: scene.main_object().reflectance.clone().unwrap_or_default(),
-            lights: scene.lights.clone(),
-            surroundings: placement(scene),
-            exposure: scene.exposure,
-            tone: scene.tone,
-            base_color: scene.main_object().base_color,
-        }
-    }
-
-    /// Copies these settings into `settings`.
-    pub fn put_into(&self, settings: &mut ViewSettings) {
-        let Self { surface, reflectance, lights, surroundings, exposure, tone, base_color } = self.clone();
-        (settings.surface, settings.reflectance, settings.lights) = (surface, reflectance, lights);
-        (settings.surroundings, settings.exposure) = (surroundings, exposure);
-        (settings.tone, settings.base_color) = (tone, base_color);
-    }
-}
-
 /// Returns orientation and exposure of the surroundings of `scene`.
 pub fn placement(scene: &Scene) -> Placement {
     scene.environment.as_ref().map(|environment| environment.placement).unwrap_or_default()
@@ -176,20 +134,36 @@ impl ViewSettings {
         Sampling { count: self.samples.max(1), seed: self.surface.seed }
     }
 
-    /// Replaces the settings that came from `old` by those of `new`, and keeps those that the user has changed.
-    pub fn change_scene(&mut self, old: &SceneSettings, new: &SceneSettings) {
-        fn replace<T: Clone + PartialEq>(now: &mut T, old: &T, new: &T) {
+    /// Takes over the settings that come with `scene`, but for its mesh and its camera.
+    pub fn bring(&mut self, scene: &Scene) {
+        let object = scene.main_object();
+        self.surface = scene.main_surface();
+        self.reflectance = object.reflectance.clone().unwrap_or_default();
+        self.base_color = object.base_color;
+        self.lights.clone_from(&scene.lights);
+        self.surroundings = placement(scene);
+        (self.exposure, self.tone) = (scene.exposure, scene.tone);
+    }
+
+    /// Replaces the settings that came with `old` by those of `new`, and keeps those that the user has changed.
+    pub fn change_scene(&mut self, old: &Scene, new: &Scene) {
+        fn replace<T: PartialEq>(now: &mut T, old: &T, new: T) {
             if now == old {
-                now.clone_from(new);
+                *now = new;
             }
         }
-        replace(&mut self.surface, &old.surface, &new.surface);
-        replace(&mut self.reflectance, &old.reflectance, &new.reflectance);
-        replace(&mut self.lights, &old.lights, &new.lights);
-        replace(&mut self.surroundings, &old.surroundings, &new.surroundings);
-        replace(&mut self.exposure, &old.exposure, &new.exposure);
-        replace(&mut self.tone, &old.tone, &new.tone);
-        replace(&mut self.base_color, &old.base_color, &new.base_color);
+        let [old, new] = [old, new].map(|scene| {
+            let mut settings = self.clone();
+            settings.bring(scene);
+            settings
+        });
+        replace(&mut self.surface, &old.surface, new.surface);
+        replace(&mut self.reflectance, &old.reflectance, new.reflectance);
+        replace(&mut self.lights, &old.lights, new.lights);
+        replace(&mut self.surroundings, &old.surroundings, new.surroundings);
+        replace(&mut self.exposure, &old.exposure, new.exposure);
+        replace(&mut self.tone, &old.tone, new.tone);
+        replace(&mut self.base_color, &old.base_color, new.base_color);
     }
 
     /// Returns the positions of the window; a finite grating has a single one.
@@ -295,9 +269,14 @@ pub(crate) mod tests {
 
     #[test]
     fn another_scene_brings_what_the_user_has_not_set() {
-        let (mut s, scene) = settings();
-        let [old, new] = [&scene, &Scene::open("cd").unwrap()].map(SceneSettings::of);
-        s.change_scene(&old, &new);
+        let (mut s, old_scene) = settings();
+        let new_scene = Scene::open("cd").unwrap();
+        let [old, new] = [&old_scene, &new_scene].map(|scene| {
+            let mut settings = settings().0;
+            settings.bring(scene);
+            settings
+        });
+        s.change_scene(&old_scene, &new_scene);
         let brought = [s.surface == new.surface, s.reflectance == new.reflectance, s.lights == new.lights];
         assert_eq!(brought, [true; 3]);
         assert_eq!((s.exposure, s.tone, s.base_color), (new.exposure, new.tone, new.base_color));
@@ -305,7 +284,7 @@ pub(crate) mod tests {
         s.surface = SurfaceSource { height: Some(0.3), ..SurfaceSource::built_in(SurfaceKind::Elaphe) };
         s.base_color = Vec3::splat(0.25);
         let set = s.clone();
-        s.change_scene(&new, &old);
+        s.change_scene(&new_scene, &old_scene);
         assert_eq!((s.exposure, &s.surface, s.base_color), (set.exposure, &set.surface, set.base_color));
         assert_eq!((&s.lights, s.tone), (&old.lights, old.tone));
     }

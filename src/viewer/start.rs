@@ -1,12 +1,8 @@
 //! Settings at the start of the window.
 
-use super::settings::{OpticsSettings, ViewSettings, placement};
+use super::settings::ViewSettings;
 use crate::error::Result;
-use crate::optics::coherence::{Beyond, Coherence, Windows};
-use crate::optics::reflectance::Reflectance;
 use crate::scene::Scene;
-use crate::spectra::amplitude::expansion::Basis;
-use crate::surface::SurfaceSource;
 use crate::vk::selection::DeviceChoice;
 use ash::vk;
 use std::path::Path;
@@ -53,38 +49,14 @@ pub struct SceneFiles {
 /// Options of `diffract view`.
 #[derive(Clone, Debug)]
 pub struct Start {
-    /// Name of the scene.
-    pub name: String,
-    /// The scene with the options applied.
-    pub scene: Scene,
+    /// Settings of the picture.
+    pub settings: ViewSettings,
     /// The scene without the options.
     pub plain: Scene,
-    /// The height field.
-    pub surface: SurfaceSource,
-    /// Positions of the coherence window.
-    pub windows: Windows,
-    /// Continuation of the surface beyond the patch.
-    pub beyond: Beyond,
-    /// The basis.
-    pub basis: Basis,
-    /// Accepted relative error.
-    pub tolerance: f64,
-    /// Number of terms; `None` follows from the tolerance.
-    pub terms: Option<usize>,
-    /// Number of wavelengths; `None` follows from the tolerance.
-    pub wavelengths: Option<usize>,
-    /// Coherence of the light on the surface.
-    pub coherence: Coherence,
-    /// Reflectance of the surface.
-    pub reflectance: Reflectance,
-    /// Spectrum of the light: a name or a file.
-    pub illuminant: String,
     /// True if the exposure is measured on the first picture instead of taken from the scene.
     pub measures_exposure: bool,
     /// Size of the window \[points: pixels at a scale of 1\].
     pub size: [u32; 2],
-    /// Samples per pixel of a still picture.
-    pub samples: u32,
     /// Target frame rate while something moves \[frames per second\].
     pub fps: f64,
     /// Presentation mode.
@@ -99,32 +71,4 @@ pub struct Start {
     pub scenes: SceneFiles,
     /// Last window, which can be restored.
     pub last: LastView,
-}
-
-impl Start {
-    /// Returns the settings to start with.
-    pub fn settings(&self) -> ViewSettings {
-        ViewSettings {
-            scene: self.name.clone(),
-            surface: self.surface.clone(),
-            optics: OpticsSettings {
-                windows: self.windows,
-                basis: self.basis,
-                tolerance: self.tolerance,
-                terms: self.terms,
-                wavelengths: self.wavelengths,
-            },
-            coherence: self.coherence,
-            beyond: self.beyond,
-            reflectance: self.reflectance.clone(),
-            illuminant: self.illuminant.clone(),
-            lights: self.scene.lights.clone(),
-            surroundings: placement(&self.scene),
-            exposure: self.scene.exposure,
-            tone: self.scene.tone,
-            base_color: self.scene.main_object().base_color,
-            camera: self.scene.camera,
-            samples: self.samples,
-        }
-    }
 }

@@ -191,7 +191,7 @@ impl ViewerWindow {
         let presenter = Presenter::new(&device, &surface, &window, start.present)?;
         let threads = Threads::start(&device, &proxy)?;
         let loaded = Arc::new(LoadedScene::of(start.plain.clone())?);
-        let settings = start.settings();
+        let settings = start.settings.clone();
         let name = format!("{}, {}", device.candidate().name, device.reason());
         let mut opened = Self {
             threads,

@@ -162,8 +162,9 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
         let source =
             source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
         let events = recorded(device, || {
-            let mut renderer = crate::renderer_of(device, &scene, &source, &mean(), SIZE).unwrap();
-            renderer.cast_shadows().unwrap();
+            let mesh = (&scene.main_object().mesh, &Pigment::white());
+            let mut renderer =
+                crate::renderer_with(device, &source, &mean(), mesh, SIZE, crate::shadows(true)).unwrap();
             renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
             renderer.paint_samples(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
             renderer.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();

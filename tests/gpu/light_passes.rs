@@ -6,6 +6,7 @@ use crate::mean::{shading, source};
 use crate::measure::colours;
 use diffract::filter::FootprintSizes;
 use diffract::render::frame::{Shown, View};
+use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::setup::Method;
@@ -32,8 +33,9 @@ fn alone_and_together(view: &View, alone: Sampling, together: Sampling) -> [Vec<
     with_device(|device| {
         let sizes = FootprintSizes { shorter: 1e-2, longer: 1e-2 };
         let source = source(device, &field, &shading, Method::Table, sizes);
-        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
-        renderer.cast_shadows().unwrap();
+        let mesh = (&scene.main_object().mesh, &Pigment::white());
+        let mut renderer =
+            crate::renderer_with(device, &source, &shading, mesh, SIZE, crate::shadows(true)).unwrap();
         let mut paint = |view: &View, sampling: &Sampling| {
             renderer.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
         };

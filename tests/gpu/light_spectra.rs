@@ -11,7 +11,7 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::renderer::Renderer;
+use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
@@ -93,7 +93,7 @@ fn lights_of_several_spectra_add_up_to_pictures_under_each_alone() {
             let picture = |lights: Vec<Light>, sources: [ObjectSources; 2]| {
                 let view = View::of(&scene, lights);
                 let all = objects(&scene, &textures, &sources);
-                let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
+                let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
                 renderer.draw_sample(&view, &sample, shown).unwrap();
                 renderer.picture().unwrap().radiance
             };
@@ -146,7 +146,7 @@ fn a_light_with_the_spectrum_of_the_scene_is_a_light_without_one() {
     with_device(|device| {
         let sources = [dark(&[Illuminant::D65]), dark(&[Illuminant::D65])];
         let all = objects(&scene, &textures, &sources);
-        let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
+        let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
         let mut picture = |spectra: [&str; 3]| {
             let texts = ["50,-60,2", "30,-100,1", "sphere:0.4:2,-2,2"];
             let light = |(text, spectrum)| Light::parse(&format!("{text}{spectrum}")).unwrap();
@@ -207,7 +207,7 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
         for (method, most) in [(Method::Table, 2e-2)] {
             let sources = [sources(device, &field, method, &every)];
             let all = objects(&scene, &textures, &sources);
-            let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
+            let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
             let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
             let seen: Vec<_> = (0..3).map(|light| renderer.directions(&view, light).unwrap()).collect();
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();

@@ -279,11 +279,8 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
     view.base_color = Vec3::ONE;
     let column = |shadows: bool| -> Vec<f64> {
         let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
-        let mut renderer =
-            crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
-        if shadows {
-            renderer.cast_shadows().unwrap();
-        }
+        let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(shadows));
+        let mut renderer = crate::renderer_with(device, &source, &shading, object, SIZE, settings).unwrap();
         let sampling = Sampling { count: samples, seed: 2 };
         let picture = renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
         picture.radiance.iter().skip(1).step_by(3).map(|p| f64::from(p[1])).collect()
@@ -335,18 +332,11 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                 let mut view = View::of(&scene, vec![Light::parse(light).unwrap()]);
                 view.base_color = Vec3::ONE;
                 let paint = |shadows: bool| {
-                    let mut renderer = crate::renderer(
-                        device,
-                        &source,
-                        &Shading::default(),
-                        &scene.main_object().mesh,
-                        &Pigment::white(),
-                        [160, 120],
-                    )
-                    .unwrap();
-                    if shadows {
-                        renderer.cast_shadows().unwrap();
-                    }
+                    let object = (&scene.main_object().mesh, &Pigment::white());
+                    let (shading, settings) = (Shading::default(), crate::shadows(shadows));
+                    let mut renderer =
+                        crate::renderer_with(device, &source, &shading, object, [160, 120], settings)
+                            .unwrap();
                     renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
                 };
                 let (with, without) = (paint(true), paint(false));
@@ -374,9 +364,9 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
             (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
             view.base_color = Vec3::ONE;
             let shading = Shading::default();
+            let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(true));
             let mut renderer =
-                crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), [40, 30]).unwrap();
-            renderer.cast_shadows().unwrap();
+                crate::renderer_with(device, &source, &shading, object, [40, 30], settings).unwrap();
             renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
         };
         let (outward, inward) = (paint([a, b, c]), paint([a, c, b]));

@@ -37,7 +37,7 @@ mod viewer;
 use diffract::error::Result;
 use diffract::render::object::{ObjectData, ObjectSources};
 use diffract::render::pigment::Pigment;
-use diffract::render::renderer::Renderer;
+use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Mesh, Scene};
@@ -53,8 +53,25 @@ fn renderer(
     pigment: &Pigment,
     size: [u32; 2],
 ) -> Result<Renderer> {
+    renderer_with(device, source, shading, (mesh, pigment), size, RendererSettings::default())
+}
+
+/// Settings of a renderer whose objects cast shadows, if `shadows`.
+fn shadows(shadows: bool) -> RendererSettings {
+    RendererSettings { shadows, ..RendererSettings::default() }
+}
+
+/// Returns a renderer of one mesh with `settings`.
+fn renderer_with(
+    device: &Arc<Device>,
+    source: &Source,
+    shading: &Shading,
+    (mesh, pigment): (&Mesh, &Pigment),
+    size: [u32; 2],
+    settings: RendererSettings,
+) -> Result<Renderer> {
     let sources = ObjectSources::new(source.clone(), shading.clone());
-    Renderer::new(device, &[ObjectData::new(mesh, pigment, &sources)], size)
+    Renderer::new(device, &[ObjectData::new(mesh, pigment, &sources)], size, settings)
 }
 
 /// Returns a renderer of the main object of `scene`, without pigment.

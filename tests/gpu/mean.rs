@@ -166,7 +166,6 @@ fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Direction
     let (shading, pigment, lights) = (Shading::default(), Pigment::white(), view.lights.len());
     let mut renderer =
         crate::renderer(device, &source, &shading, &scene.main_object().mesh, &pigment, SIZE).unwrap();
-    renderer.ask_for_footprints().unwrap();
     (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect()
 }
 
@@ -210,7 +209,7 @@ const TABLE_OVER_FOOTPRINTS: f64 = 0.016;
 const TABLE_OF_SAMPLES: f64 = 0.006;
 
 /// The same for single samples of a light that moves.
-const TABLE_OF_FRAMES: f64 = 0.026;
+const TABLE_OF_FRAMES: f64 = 0.027;
 
 #[test]
 fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far() {
@@ -252,7 +251,6 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, SIZE).unwrap();
         let mut directions = new(&probe);
-        directions.ask_for_footprints().unwrap();
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
         let (shading, base_color) = (&shading, view.base_color);

@@ -10,7 +10,7 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::grooves::GrooveDirections;
 use diffract::render::object::{ObjectData, ObjectSources, ObjectTextures, objects};
 use diffract::render::pigment::Pigment;
-use diffract::render::renderer::Renderer;
+use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -81,17 +81,17 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         let sources = [first, second, pigment_alone()].into_iter().zip(shadings);
         let sources: Vec<_> = sources.map(|(source, shading)| ObjectSources::new(source, shading)).collect();
         let all = objects(&scene, &textures, &sources);
-        let mut renderer = Renderer::new(device, &all, SIZE).unwrap();
+        let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
         renderer.draw_sample(&view, &sample, shown).unwrap();
         let together = renderer.picture().unwrap();
         let seen = renderer.directions_of(&view, 0, &sample).unwrap();
         let without = objects(&scene, &textures, std::iter::repeat_n(&sources[2], 3));
-        let mut pigments = Renderer::new(device, &without, SIZE).unwrap();
+        let mut pigments = Renderer::new(device, &without, SIZE, RendererSettings::default()).unwrap();
         pigments.draw_sample(&view, &sample, shown).unwrap();
         let pigments = pigments.picture().unwrap();
         let (mut counts, mut greens) = ([0; 3], [[0.0; 2]; 3]);
         for (number, object) in all.iter().enumerate() {
-            let mut alone = Renderer::new(device, &[*object], SIZE).unwrap();
+            let mut alone = Renderer::new(device, &[*object], SIZE, RendererSettings::default()).unwrap();
             alone.draw_sample(&view, &sample, shown).unwrap();
             let alone = alone.picture().unwrap();
             for pixel in 0..together.radiance.len() {
@@ -132,8 +132,7 @@ fn objects_cast_shadows_on_each_other_and_on_the_ground_which_casts_none() {
     with_device(|device| {
         let all = objects(&scene, &textures, &sources);
         let lit = |objects: &[ObjectData<'_>], light: usize| {
-            let mut renderer = Renderer::new(device, objects, SIZE).unwrap();
-            renderer.cast_shadows().unwrap();
+            let mut renderer = Renderer::new(device, objects, SIZE, crate::shadows(true)).unwrap();
             renderer.directions(&view, light).unwrap()
         };
         let bright = |seen: &Directions, pixel: usize| seen.light[pixel][2] > 0.0;
@@ -169,8 +168,7 @@ fn directions(device: &Arc<Device>, view: &View, grooves: &GrooveDirections) -> 
         casts_shadows: true,
         sources: &sources,
     };
-    let mut renderer = Renderer::new(device, &[object], SIZE).unwrap();
-    renderer.ask_for_footprints().unwrap();
+    let mut renderer = Renderer::new(device, &[object], SIZE, RendererSettings::default()).unwrap();
     renderer.directions(view, 0).unwrap()
 }
 

@@ -16,7 +16,7 @@ use diffract::render::object::{ObjectData, ObjectSources};
 use diffract::render::pigment::Pigment;
 use diffract::render::rays::{RayObject, RayScene, RaySettings};
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
-use diffract::render::renderer::Renderer;
+use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -41,6 +41,7 @@ struct Case {
     grooves: GrooveDirections,
     view: View,
     shadows: bool,
+    specular_spread: Option<f64>,
 }
 
 impl Case {
@@ -50,7 +51,14 @@ impl Case {
         let lights = lights.iter().map(|text| Light::parse(text).unwrap()).collect();
         let view = View::of(&scene, lights);
         let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
-        Self { name, mesh: scene.main_object().mesh.clone(), grooves, view, shadows: false }
+        Self {
+            name,
+            mesh: scene.main_object().mesh.clone(),
+            grooves,
+            view,
+            shadows: false,
+            specular_spread: None,
+        }
     }
 
     fn object(&self) -> RayObject<'_> {
@@ -69,12 +77,8 @@ impl Case {
             casts_shadows: true,
             sources: &sources,
         };
-        let mut renderer = Renderer::new(device, &[object], SIZE).unwrap();
-        renderer.ask_for_footprints().unwrap();
-        if self.shadows {
-            renderer.cast_shadows().unwrap();
-        }
-        renderer
+        let settings = RendererSettings { shadows: self.shadows, specular_spread: self.specular_spread };
+        Renderer::new(device, &[object], SIZE, settings).unwrap()
     }
 
     fn settings(&self) -> RaySettings {
@@ -274,10 +278,10 @@ fn surroundings_are_mirrored_where_rays_lead() {
     for name in ["plate", "sphere"] {
         let mut case = Case::new(name, &[]);
         case.view.environment = Some(Environment::open("studio").unwrap());
+        case.specular_spread = Some(SPREAD);
         let rays = RayScene::new(vec![case.object()]);
         with_device(|device| {
             let mut renderer = case.renderer(device);
-            renderer.ask_for_mirrored(SPREAD);
             let pass = LightPass::of_all(0, Sampling::ONE.sample(0));
             let found = renderer.directions_in(&case.view, &pass).unwrap();
             let settings = RaySettings { specular_spread: Some(SPREAD), ..case.settings() };
@@ -354,11 +358,7 @@ fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, shading: &S
         casts_shadows: true,
         sources: &sources,
     };
-    let mut renderer = Renderer::new(device, &[object], PICTURE).unwrap();
-    if scene.shadows {
-        renderer.cast_shadows().unwrap();
-    }
-    renderer
+    Renderer::new(device, &[object], PICTURE, crate::shadows(scene.shadows)).unwrap()
 }
 
 /// Relative L2 error of the picture of `scene` by a table, with a surface of this `kind`, against the reference of rays.

@@ -56,7 +56,6 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     with_device(|device| {
         let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, size).unwrap();
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
-        found.ask_for_footprints().unwrap();
         let sample = sampling.sample(0);
         let seen: Vec<_> = (0..view.light_count())
             .map(|light| found.directions_of(&view, light, &sample).unwrap())

@@ -4,10 +4,14 @@ Both are means over the wavelengths of daylight, as a picture has them. The mate
 """
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+# The matrices are small: threads wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 

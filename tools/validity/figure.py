@@ -1,6 +1,6 @@
-"""Draws `docs/images/validity.png`: the table as maps, with the built-in surfaces of diffract and with scans on it. `python figure.py DIFFRACT [SCAN]...`
+"""Draws `docs/images/validity.png`: the table as maps, with the built-in surfaces of diffract and with scans on it. `python figure.py DIFFRACT [NAME=SCAN]...`
 
-A scan is a file with what `diffract surface info` needs to read it.
+A scan is a file with the options that `diffract surface info` needs to read it, and `--illuminant` where its light is not daylight.
 """
 
 import csv
@@ -20,21 +20,24 @@ import table
 
 PICTURE = Path(__file__).parents[2] / "docs/images/validity.png"
 BUILT_IN = ["sinusoid", "blaze", "elaphe", "xenopeltis", "tulip", "brushed", "cd", "dvd"]
+# Behind names, which lie over numbers.
+PLATE = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1}
 KINDS, MATERIALS, ANGLES = ["sinusoid", "blaze", "lamellar", "rough"], ["metal", "dielectric"], [30, 60]
-WAVELENGTH = 0.55e-6
 
 
 def shape(diffract, words):
-    """Returns the kind, the period and the height in wavelengths that the program measures, or None."""
+    """Returns the kind that the program measures, and period and height in units of the light's mean wavelength, or None."""
     report = subprocess.run([diffract, "surface", "info", *words, "--json"], check=True, capture_output=True).stdout
-    grooves = json.loads(report)["scalar_theory"]["grooves"]
-    return grooves and (grooves["profile"], grooves["period_m"] / WAVELENGTH, grooves["height_m"] / WAVELENGTH)
+    theory = json.loads(report)["scalar_theory"]
+    grooves, wavelength = theory["grooves"], theory["wavelength_m"]
+    return grooves and (grooves["profile"], grooves["period_m"] / wavelength, grooves["height_m"] / wavelength)
 
 
 def main():
     rows = list(csv.DictReader(table.TABLE.open()))
     surfaces = {name: shape(sys.argv[1], [name]) for name in BUILT_IN}
-    surfaces |= {Path(scan.split()[0]).stem: shape(sys.argv[1], scan.split()) for scan in sys.argv[2:]}
+    scans = [argument.split("=", 1) for argument in sys.argv[2:]]
+    surfaces |= {name: shape(sys.argv[1], words.split()) for name, words in scans}
     print("\n".join(f"{name}: {found}" for name, found in surfaces.items()))
     figure, axes = plt.subplots(len(KINDS), 4, figsize=(16, 12), layout="constrained", sharex=True, sharey=True)
     for row, kind in zip(axes, KINDS):
@@ -50,7 +53,7 @@ def main():
             for name, found in surfaces.items():
                 if found and found[0] == kind:
                     panel.plot(*found[1:], "r+", markersize=10)
-                    panel.annotate(name, found[1:], color="red", fontsize=7, xytext=(4, 6), textcoords="offset points")
+                    panel.annotate(name, found[1:], color="red", fontsize=7, xytext=(4, 8), textcoords="offset points", bbox=PLATE)
             panel.set(xscale="log", yscale="log", title=f"{kind}, {material}, {at}°")
     figure.supxlabel("period / λ")
     figure.supylabel("height / λ")

@@ -12,7 +12,7 @@ const SAMPLES: usize = 20;
 /// Shortest wavelength of the bands \[nm\].
 const FIRST: f64 = 380.0;
 /// Share of the light whose errors must be known at an angle.
-const KNOWN: f64 = 0.9;
+const KNOWN: f64 = 0.75;
 
 /// Light for which errors are looked up.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +58,7 @@ pub fn mean_wavelength(bands: &[Band]) -> f64 {
     bands.iter().map(|band| band.share * band.wavelength).sum()
 }
 
-/// Returns the mean over `bands` of the errors of `grooves`, by the angle of incidence, or why they are not known. An angle is left out where more than a tenth
+/// Returns the mean over `bands` of the errors of `grooves`, by the angle of incidence, or why they are not known. An angle is left out where more than a quarter
 /// of the light is outside of the table.
 pub fn mean_errors(
     grooves: &ProfileShape,
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_is_partly_outside_of_the_table_is_told_while_it_is_a_tenth() {
+    fn light_that_is_partly_outside_of_the_table_is_told_while_it_is_a_quarter() {
         let of = |height: f64| {
             let spectrum = bands(LightColour::Spectrum(&Illuminant::E));
             mean_errors(&grooves(8.0, height), &Reflectance::default(), &spectrum)

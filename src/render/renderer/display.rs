@@ -1,16 +1,18 @@
 //! Display of one sample or of the mean of several, over a colour or over the surroundings.
 
-use super::GeometryInput;
-use crate::render::accumulate::Accumulation;
-use crate::render::background::BackgroundPass;
-use crate::render::frame::{DisplayPass, Shown};
-use crate::render::target::{Geometry, Target};
+use super::PassInput;
+use crate::render::frame::Shown;
+use crate::render::gbuffer::GBuffer;
+use crate::render::passes::accumulate::Accumulation;
+use crate::render::passes::background::BackgroundPass;
+use crate::render::passes::display::DisplayPass;
+use crate::render::target::Target;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::Descriptors;
 
 /// Inputs of the display of a picture.
 pub(super) struct Display<'a> {
-    geometry: &'a Geometry,
+    gbuffer: &'a GBuffer,
     target: &'a Target,
     pass: &'a DisplayPass,
     /// Present if the picture shows its surroundings.
@@ -21,22 +23,22 @@ pub(super) struct Display<'a> {
 impl<'a> Display<'a> {
     /// Makes the display of the picture in `input`; `background` is used if the picture shows its surroundings.
     pub fn new(
-        (geometry, target): (&'a Geometry, &'a Target),
+        (gbuffer, target): (&'a GBuffer, &'a Target),
         pass: &'a DisplayPass,
         background: Option<&'a BackgroundPass>,
         frame: &'a Descriptors,
-        input: Option<&GeometryInput>,
+        input: Option<&PassInput>,
     ) -> Self {
         let background = background.filter(|_| input.is_some_and(|input| input.view.background().is_some()));
-        Self { geometry, target, pass, background, frame }
+        Self { gbuffer, target, pass, background, frame }
     }
 
     /// Records the display of the sample in the target.
     pub fn sample(&self, record: &Recorder<'_>, shown: Shown) {
-        let (geometry, into) = (self.geometry, &self.target.display);
-        self.pass.record(record, (geometry, self.target), into, shown);
+        let (gbuffer, into) = (self.gbuffer, &self.target.display);
+        self.pass.record(record, (gbuffer, self.target), into, shown);
         if let Some(background) = self.background {
-            background.record(record, geometry, into, (self.frame, shown));
+            background.record(record, gbuffer, into, (self.frame, shown));
         }
     }
 

@@ -1,6 +1,6 @@
-//! Read-back of the geometry pass: the directions seen by pixels.
+//! Read-back of the G-buffer and of lights: the directions seen by pixels.
 
-use super::{Content, GeometryInput, Renderer};
+use super::{Content, LightDirections, Renderer};
 use crate::error::{Error, Result};
 use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
@@ -51,7 +51,7 @@ impl Renderer {
     /// # Errors
     /// Fails if the device is lost.
     pub fn directions_in(&mut self, view: &View, pass: &LightPass) -> Result<Directions> {
-        self.draw_geometry(view, pass)?;
+        self.draw_directions(view, pass)?;
         self.read_directions(view, pass, PictureArea::All)
     }
 
@@ -74,7 +74,7 @@ impl Renderer {
         let mut directions = Vec::with_capacity(view.light_count());
         for light in 0..view.light_count() {
             let pass = LightPass::of_all(light, sample);
-            self.draw_geometry(view, &pass)?;
+            self.draw_directions(view, &pass)?;
             directions.push(self.read_directions(view, &pass, part)?);
         }
         Ok(Some(Pixel { radiance, directions }))
@@ -82,36 +82,31 @@ impl Renderer {
 
     /// Returns the directions in `part` of the last frame drawn, a `pass` of `view`.
     fn read_directions(&self, view: &View, pass: &LightPass, part: PictureArea) -> Result<Directions> {
-        let stored = self.read(&self.geometry.directions, part)?;
+        let Some(of_light) = &self.light_directions else { return Ok(Directions::default()) };
         let covered = self.covered(part)?;
-        let unit = |s: [f32; 2], covered: bool| if covered { unprojected(s) } else { [0.0; 4] };
-        let both = || stored.iter().zip(&covered);
-        let footprints = match &self.geometry.footprints {
-            Some(image) => self.read(image, part)?,
-            None => Vec::new(),
+        let kept = |read: Vec<[f32; 4]>| -> Vec<[f32; 4]> {
+            read.into_iter().zip(&covered).map(|(x, covered)| if *covered { x } else { [0.0; 4] }).collect()
         };
-        let kept = |(f, covered): ([f32; 4], &bool)| if *covered { f } else { [0.0; 4] };
-        let falloffs = match &self.geometry.albedo {
-            Some(image) if self.geometry.settings.lamps => {
-                self.read(image, part)?.iter().map(|[.., falloff]| *falloff).collect()
-            }
-            _ => Vec::new(),
+        let light = kept(self.read(&of_light.light, part)?);
+        let view_of = |[x, y, ..]: &[f32; 4], covered: &bool| {
+            if *covered { unprojected([*x, *y]) } else { [0.0; 4] }
         };
-        let mirrored = match &self.geometry.mirrored {
-            Some(image) if self.mirrors(view, pass) => {
-                let read = self.read(image, part)?.into_iter();
-                read.zip(&covered).map(kept).map(|[red, green, blue, _]| [red, green, blue]).collect()
-            }
-            _ => Vec::new(),
+        let facing = self.read(&self.gbuffer.facing, part)?;
+        let mirrored = if self.kind(view, pass).mirrored {
+            let read = kept(self.read(&of_light.mirrored, part)?);
+            read.into_iter().map(|[red, green, blue, _]| [red, green, blue]).collect()
+        } else {
+            Vec::new()
         };
+        let is_covered = |covered: &bool| f32::from(u8::from(*covered));
         Ok(Directions {
             light_number: pass.light,
-            light: both().map(|(&[.., x, y], &covered)| unit([x, y], covered)).collect(),
-            view: both().map(|(&[x, y, ..], &covered)| unit([x, y], covered)).collect(),
-            footprints: footprints.into_iter().zip(&covered).map(kept).collect(),
+            view: facing.iter().zip(&covered).map(|(stored, covered)| view_of(stored, covered)).collect(),
+            footprints: kept(self.read(&of_light.footprints, part)?),
             filter: pass.sample.footprint,
             irradiance: view.incident(pass).irradiance.as_dvec3(),
-            falloffs,
+            falloffs: if view.has_lamps() { light.iter().map(|[.., w]| *w).collect() } else { Vec::new() },
+            light: light.iter().zip(&covered).map(|([x, y, z, _], c)| [*x, *y, *z, is_covered(c)]).collect(),
             mirrored,
             objects: self.objects_seen(part)?,
         })
@@ -119,36 +114,43 @@ impl Renderer {
 
     /// Returns the object number of each pixel of `part`, from 0; empty if there is one object.
     fn objects_seen(&self, part: PictureArea) -> Result<Vec<u8>> {
-        if !self.geometry.settings.several {
+        if !self.gbuffer.settings.several {
             return Ok(Vec::new());
         }
         let (corner, size) = match part {
-            PictureArea::All => ([0; 2], self.geometry.depth.size()),
+            PictureArea::All => ([0; 2], self.gbuffer.depth.size()),
             PictureArea::Pixel(at) => (at, [1; 2]),
         };
-        let stencil = target::read_back_objects(&self.device, &self.geometry.depth, corner, size)?;
+        let stencil = target::read_back_objects(&self.device, &self.gbuffer.depth, corner, size)?;
         Ok(stencil.into_iter().map(|number| number.saturating_sub(1)).collect())
     }
 
-    /// Draws the geometry of a `pass` of `view`, unless the images hold it already.
-    fn draw_geometry(&mut self, view: &View, pass: &LightPass) -> Result<()> {
+    /// Draws the directions of a `pass` of `view`, and the G-buffer unless it is up to date.
+    fn draw_directions(&mut self, view: &View, pass: &LightPass) -> Result<()> {
         self.write(view, self.target.size(), pass)?;
-        if self.image_input.is_some() && self.image_input == self.block_input {
-            return Ok(());
-        }
-        // The new geometry may cover other pixels than the existing radiance.
-        let of_same_pixels = |found: &GeometryInput| {
-            found.view == *view
-                && found.size == self.target.size()
-                && found.pass.sample.jitter == pass.sample.jitter
+        let kind = self.kind(view, pass);
+        let of_light = match &mut self.light_directions {
+            Some(there) => there,
+            none => none.insert(LightDirections::new(&self.device, self.gbuffer.size())?),
         };
-        if self.shows == Content::Sample && !self.image_input.as_ref().is_some_and(of_same_pixels) {
-            self.shows = Content::Nothing;
+        of_light.prepare(&self.device, kind, &self.objects[0], &self.gbuffer)?;
+        let is_stale = !self.gbuffer_is_current();
+        if is_stale {
+            // The new surfaces may cover other pixels than the existing radiance.
+            if self.shows == Content::Sample {
+                self.shows = Content::Nothing;
+            }
+            self.image_input = None;
         }
-        self.image_input = None;
-        let mirrored = self.mirrors(view, pass);
+        let Some(of_light) = &self.light_directions else { return Ok(()) };
         self.commands.run(|record| {
-            self.geometry_pass.record(record, &self.geometry, &self.objects, mirrored);
+            if let Some(shadow_pass) = &self.shadow_pass {
+                shadow_pass.record(record, &self.objects);
+            }
+            if is_stale {
+                self.geometry_pass.record(record, &self.gbuffer, &self.objects);
+            }
+            of_light.record(record, kind, &self.gbuffer, &self.objects);
             Ok(())
         })?;
         self.image_input = self.block_input.clone();
@@ -174,7 +176,7 @@ impl Renderer {
     }
 
     fn depth_of(&self, part: PictureArea) -> Result<Vec<f32>> {
-        let depth = self.read_bytes(&self.geometry.depth, Access::DepthAttachment, part)?;
+        let depth = self.read_bytes(&self.gbuffer.depth, Access::DepthAttachment, part)?;
         Ok(bytemuck::pod_collect_to_vec(&depth))
     }
 

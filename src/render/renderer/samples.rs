@@ -1,10 +1,10 @@
 //! Pictures that are the mean of samples, drawn one after the other.
 
-use super::{Content, DrawRequest, FinalStep, GeometryInput, Picture, Renderer};
+use super::{Content, DrawRequest, FinalStep, PassInput, Picture, Renderer};
 use crate::error::Result;
-use crate::render::accumulate::Accumulation;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::{LightPass, SampleGroup};
+use crate::render::passes::accumulate::Accumulation;
 use crate::render::sampling::Sampling;
 
 /// Settings of the samples in a sum.
@@ -19,8 +19,8 @@ pub(super) struct Summed {
 
 impl Summed {
     /// Returns the first pass, whose `Frame` block suffices for displaying the mean.
-    pub fn first(&self) -> GeometryInput {
-        GeometryInput {
+    pub fn first(&self) -> PassInput {
+        PassInput {
             view: self.view.clone(),
             pass: LightPass::of_all(0, self.sampling.sample(0)),
             size: self.size,

@@ -2,8 +2,9 @@
 
 use super::{Renderer, shaded};
 use crate::error::Result;
-use crate::render::frame::{Shown, View, begin_shading, record_shading};
+use crate::render::frame::{Shown, View};
 use crate::render::light_passes::{LightPass, all_lights};
+use crate::render::passes::shade;
 use crate::render::sampling::Sampling;
 use crate::vk::queries::Timestamps;
 use glam::DVec3;
@@ -34,7 +35,7 @@ impl PassTimes {
 /// Device times of a picture or of a part of it \[ms\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DrawTimes {
-    /// Shadow map and geometry pass.
+    /// Shadow map and G-buffer.
     pub geometry: f64,
     /// Shading pass.
     pub shading: f64,
@@ -69,7 +70,7 @@ impl Renderer {
         Ok(Stopwatch { timestamps: Timestamps::new(&self.device, 4)? })
     }
 
-    /// Draws `view` as [`Self::draw`] does and measures its parts.
+    /// Draws `view` as [`Self::draw`] does, its G-buffer anew, and measures its parts.
     ///
     /// # Errors
     /// Fails if the device is lost.
@@ -82,6 +83,7 @@ impl Renderer {
     ) -> Result<PassTimes> {
         let start = Instant::now();
         let mut times = PassTimes::default();
+        self.image_input = None;
         let passes = all_lights(view.light_count(), Sampling::ONE.sample(0));
         for (number, pass) in passes.iter().enumerate() {
             self.write(view, self.target.size(), pass)?;
@@ -102,25 +104,30 @@ impl Renderer {
         shown: Option<Shown>,
         times: &mut PassTimes,
     ) -> Result<()> {
-        let parts = self.parts();
-        let (target, geometry_pass, geometry, objects) =
-            (&self.target, &self.geometry_pass, &self.geometry, &self.objects);
-        let mirrored = self.mirrors(view, pass);
-        let shaded = shaded(&self.shadings, objects, view, pass, mirrored);
+        let kind = self.kind(view, pass);
+        let parts = self.parts(kind);
+        let (target, geometry_pass, gbuffer, objects) =
+            (&self.target, &self.geometry_pass, &self.gbuffer, &self.objects);
+        let shaded = shaded(&self.shadings, objects, view, pass, kind);
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);
             record.timestamp(stamps, 0);
-            geometry_pass.record(record, geometry, objects, mirrored);
+            if let Some(shadow_pass) = &self.shadow_pass {
+                shadow_pass.record(record, objects);
+            }
+            if pass.is_first {
+                geometry_pass.record(record, gbuffer, objects);
+            }
             record.timestamp(stamps, 1);
             if pass.is_first {
-                begin_shading(record, target);
+                shade::begin(record, target);
             }
-            record_shading(record, (geometry, target), &shaded, 0..parts, pass.is_first);
+            shade::record(record, (gbuffer, target), &shaded, 0..parts, pass.is_first);
             record.timestamp(stamps, 2);
             if let Some(shown) = shown {
                 super::record_display(record, target, |record| {
-                    self.display.record(record, (geometry, target), &target.display, shown);
+                    self.display.record(record, (gbuffer, target), &target.display, shown);
                 });
             }
             record.timestamp(stamps, 3);

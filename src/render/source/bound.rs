@@ -3,7 +3,6 @@
 use super::part::Iterations;
 use crate::error::Result;
 use crate::optics::reflectance::Reflectance;
-use crate::render::target::GeometrySettings;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -28,8 +27,6 @@ pub struct BoundSource {
     /// True if shading tests which pixels are covered, beyond the depth test: a long sum over wavelengths must not run
     /// on the helper lanes of uncovered pixels, and averages read the neighbours.
     pub asks_what_is_covered: bool,
-    /// True if shading averages over the footprint of a pixel.
-    pub reads_footprints: bool,
     /// Variance of (u, v) of the specular order due to coherence, at the middle of the spectrum, if the source provides
     /// that order separately.
     pub specular_spread: Option<f32>,
@@ -67,7 +64,6 @@ impl BoundSource {
         Ok(Self {
             descriptors: Descriptors::new(device, name, &bindings)?,
             asks_what_is_covered: true,
-            reads_footprints: false,
             specular_spread: None,
             spectral: true,
             iterations: Iterations::default(),
@@ -114,25 +110,16 @@ impl BoundSource {
         Ok(())
     }
 
-    /// Returns the constants of the shading stage for the output of a geometry pass with these `settings`. `mirrored`:
-    /// the light is the surroundings, whose specular order is reflected.
-    pub(in crate::render) fn shade_constants(
-        &self,
-        settings: GeometrySettings,
-        mirrored: bool,
-    ) -> Vec<Constant> {
+    /// Returns the constants of the shading stage, without those of the light.
+    pub(in crate::render) fn shade_constants(&self) -> Vec<Constant> {
         /// Constants of `shade.frag`.
         const MARKED: u32 = 0;
         const OWN_REFLECTANCE: u32 = 1;
         const NORMAL_OF_PIGMENT: u32 = 2;
-        const MIRRORED: u32 = 3;
-        const LAMPS: u32 = 4;
         let own = [
             Constant::new(MARKED, self.asks_what_is_covered),
             Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
             Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
-            Constant::new(MIRRORED, mirrored),
-            Constant::new(LAMPS, settings.lamps),
         ];
         [own.as_slice(), &self.constants].concat()
     }

@@ -78,7 +78,6 @@ impl Table {
             bound.holds(of);
         }
         bound.spectral = false;
-        bound.reads_footprints = true;
         let header = &self.table.header;
         bound.specular_spread = shading.specular_spread().map(|spread| spread as f32);
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;

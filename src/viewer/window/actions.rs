@@ -149,7 +149,7 @@ impl ViewerWindow {
                 None
             } else {
                 match open(&name) {
-                    Ok(start) => Some(start.settings()),
+                    Ok(start) => Some(start.settings),
                     Err(e) => return failed(e),
                 }
             };
@@ -221,9 +221,9 @@ impl ViewerWindow {
         let open = self.last.open;
         self.open_aside("opening what the last window showed".to_owned(), move || match open() {
             Ok(start) => {
-                let settings = start.settings();
+                let settings = start.settings;
                 let loaded = LoadedScene::of(start.plain);
-                OpenedScene { name: start.name, resets: false, loaded, settings: Some(settings) }
+                OpenedScene { name: settings.scene.clone(), resets: false, loaded, settings: Some(settings) }
             }
             Err(e) => OpenedScene { name: String::new(), resets: false, loaded: Err(e), settings: None },
         });

@@ -1,10 +1,11 @@
 //! The sum of the samples of a picture, and its display.
 
-use super::frame::{DisplayPass, Shown};
-use super::sampling::PixelWeights;
-use super::shader;
-use super::target::{self, Target};
+use super::display::DisplayPass;
 use crate::error::Result;
+use crate::render::frame::Shown;
+use crate::render::sampling::PixelWeights;
+use crate::render::shader;
+use crate::render::target::{self, Target};
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};

@@ -1,10 +1,13 @@
 //! The surroundings as the background of a picture. Its shaders are `background.vert` and `background.frag`.
 
-use super::frame::{DisplayBlock, Shown, covered};
-use super::frame_set::FrameSet;
-use super::shader;
-use super::target::{self, Geometry};
+use super::covered;
+use super::display::DisplayBlock;
 use crate::error::Result;
+use crate::render::frame::Shown;
+use crate::render::frame_set::FrameSet;
+use crate::render::gbuffer::GBuffer;
+use crate::render::shader;
+use crate::render::target;
 use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::{Binding, Descriptors};
@@ -57,20 +60,20 @@ impl BackgroundPass {
         self.sum.image(0, sum, &self.sampler);
     }
 
-    /// Records the surroundings into the pixels of `into` (a colour attachment before and after) that `geometry` leaves
+    /// Records the surroundings into the pixels of `into` (a colour attachment before and after) that `gbuffer` leaves
     /// uncovered, behind the single sample displayed there.
     pub fn record(
         &self,
         record: &Recorder<'_>,
-        geometry: &Geometry,
+        gbuffer: &GBuffer,
         into: &Image,
         (frame, shown): (&Descriptors, Shown),
     ) {
         record.images(&[
             (into, Access::ColorAttachment, Access::ColorAttachment),
-            (&geometry.depth, Access::DepthAttachment, Access::DepthAttachment),
+            (&gbuffer.depth, Access::DepthAttachment, Access::DepthAttachment),
         ]);
-        record.render_over(&[(into, None)], &geometry.depth, |draw| {
+        record.render_over(&[(into, None)], &gbuffer.depth, |draw| {
             self.draw(draw, &self.sample, frame, (1, shown));
         });
     }

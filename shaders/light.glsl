@@ -1,0 +1,127 @@
+// A light at a surface point: its direction, brightness and shadow, the footprint of the pixel, and the surroundings in
+// the mirrored direction.
+#include "surroundings.glsl"
+
+layout(constant_id = 3) const bool MIRRORED = false; // true: light of the surroundings, separate specular order
+layout(constant_id = 4) const bool LAMP = false;     // true if the light is a lamp
+layout(constant_id = 5) const bool SHADOWS = false;  // true if the light casts shadows
+
+layout(set = 0, binding = 6) uniform sampler2D shadow; // depth from the light
+
+// Returns a vector to the light, in the world; for a lamp it is not normalised.
+vec3 toward_light(SurfacePoint at) {
+    return LAMP ? frame.light.xyz - at.position : frame.light.xyz;
+}
+
+// Returns the unit vector to the light in the frame of the patch.
+vec3 direction_of_light(SurfacePoint at) {
+    vec3 direction = rotated(at.rotation, normalize(toward_light(at)));
+    return vec3(direction.x, at.sense * direction.y, direction.z);
+}
+
+// Returns the brightness relative to that at distance 1 on the axis of the lamp: `LampPoint::falloff` of
+// src/scene/incident.rs.
+float falloff(SurfacePoint at) {
+    if (!LAMP) {
+        return 1.0;
+    }
+    vec3 from = -toward_light(at), middle = at.position - frame.emitter.xyz;
+    float around = length(from) * pow(dot(middle, middle), -1.5);
+    float aside = max(dot(frame.emitter.xyz, from), 0.0) * pow(dot(from, from), -1.5);
+    return frame.emitter.w == ALL_AROUND ? around : aside;
+}
+
+// Returns true if the light's depth map has a surface nearer to the light. The depth bias covers the depth change of
+// the surface within a texel of the map, and rounding.
+bool in_shadow(SurfacePoint at) {
+    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // TEXEL: the diagonal, with a margin
+    vec3 toward = toward_light(at);
+    float cosine = abs(dot(at.face, normalize(toward)));
+    float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
+    mat4 clip_from_world = frame.shadow_from_world;
+    vec4 clip = clip_from_world * vec4(at.position, 1.0);
+    vec2 size = vec2(textureSize(shadow, 0));
+    // For parallel light the clip space is two units wide and one deep.
+    float bias = ROUNDING + slope * TEXEL / size.x;
+    if (LAMP) {
+        if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) {
+            return false; // not on the map
+        }
+        // Relative change of the distance along the axis of the map on the surface, per distance on the map.
+        vec3 axis = vec3(clip_from_world[0].w, clip_from_world[1].w, clip_from_world[2].w);
+        float along = dot(at.face, axis);
+        slope = sqrt(max(1.0 - along * along, 0.0)) * clip.w / (max(cosine, 1e-6) * length(toward));
+        slope = min(slope, STEEPEST);
+        // Depth is A + B/distance; B is z of the lamp's position before the division.
+        float reach = (clip_from_world * vec4(frame.light.xyz, 1.0)).z;
+        float texel = 2.0 * clip.w / (size.x * length(vec3(clip_from_world[0].x, clip_from_world[1].x, clip_from_world[2].x)));
+        bias = abs(reach) / (clip.w * clip.w) * (ROUNDING * clip.w + slope * TEXEL * texel);
+    }
+    vec3 place = clip.xyz / clip.w;
+    vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
+    // Beyond the far end of the map nothing is in shadow: all casters are nearer.
+    return texelFetch(shadow, ivec2(texel), 0).r < min(place.z - bias, 1.0);
+}
+
+// Returns the change of the direction to the light in the right-handed frame, where the point moves this far to the next
+// pixel and the frame rotates.
+vec3 light_change(SurfacePoint at, vec3 to_light, vec3 curving, vec3 move) {
+    vec3 change = cross(curving, to_light);
+    if (LAMP) {
+        const float LARGEST = 2.0; // of differences of unit vectors; a plane that is seen from its edge has no bound
+        vec3 toward = toward_light(at);
+        vec3 aside = (move - toward * (dot(toward, move) / dot(toward, toward))) / length(toward);
+        change -= rotated(at.rotation, clamp(aside, -LARGEST, LARGEST));
+    }
+    return change;
+}
+
+// Returns the footprint whose covariance is the sum of that of `change` and that of a light with a `variance` of
+// directions, in (u, v). Nothing branches on the variance: lavapipe would compile the stage anew for each value.
+Footprint widened(Footprint change, float variance, vec2 to_light) {
+    vec2 dx = change.dx, dy = change.dy;
+    float uu = dx.x * dx.x + dy.x * dy.x + variance * (1.0 - to_light.x * to_light.x);
+    float uv = dx.x * dx.y + dy.x * dy.y - variance * to_light.x * to_light.y;
+    float vv = dx.y * dx.y + dy.y * dy.y + variance * (1.0 - to_light.y * to_light.y);
+    // Cholesky's root, as the columns of a Jacobian.
+    float u = sqrt(uu), v = uv / u;
+    bvec2 wide = bvec2(variance > 0.0);
+    return Footprint(mix(dx, vec2(u, v), wide), mix(dy, vec2(0.0, sqrt(max(vv - v * v, 0.0))), wide));
+}
+
+// Returns the Jacobian of (u, v) = -(w_i + w_r).xy per pixel, x to the right, y downward. `to_light` is in the frame of
+// the patch.
+Footprint footprint_of(SurfacePoint at, vec3 to_light) {
+    vec3 light = vec3(to_light.x, at.sense * to_light.y, to_light.z);
+    mat2x3 moves = LAMP ? moves_on_plane(at, at.face) : mat2x3(0.0);
+    mat2x3 changes = view_changes(at);
+    vec2 dx = (changes[0] + light_change(at, light, at.curving_right, moves[0])).xy;
+    vec2 dy = (changes[1] + light_change(at, light, at.curving_down, moves[1])).xy;
+    vec2 sense = -vec2(1.0, at.sense);
+    Footprint change = Footprint(sense * dx, sense * dy);
+    float variance = frame.light.w / (frame.at.footprint * frame.at.footprint);
+    if (LAMP) {
+        vec3 toward = toward_light(at);
+        variance /= dot(toward, toward);
+    }
+    return widened(change, variance, to_light.xy);
+}
+
+// Returns the radiance of the surroundings in the mirrored direction, averaged over the pixel and over the spread of
+// the specular order; 0 if the direction points into the surface.
+vec3 mirrored_radiance(SurfacePoint at) {
+    vec3 to_eye = normalize(frame.eye.xyz - at.position);
+    vec3 normal = rotated(-at.rotation, vec3(0.0, 0.0, 1.0));
+    vec3 mirrored = 2.0 * dot(to_eye, normal) * normal - to_eye;
+    if (dot(mirrored, at.face) <= 0.0) {
+        return vec3(0.0);
+    }
+    // Change of the mirrored direction in the world: that in the frame, less the rotation of the frame.
+    vec3 own = rotated(at.rotation, mirrored);
+    mat2x3 changes = view_changes(at);
+    vec3 dx = vec3(-changes[0].xy, changes[0].z) - cross(at.curving_right, own);
+    vec3 dy = vec3(-changes[1].xy, changes[1].z) - cross(at.curving_down, own);
+    float spread = frame.at.footprint * frame.at.footprint * 0.5 * (dot(dx, dx) + dot(dy, dy));
+    // A Gaussian in (u, v) is one of directions, wider by 1/cosine in the plane of incidence.
+    return radiance_toward(mirrored, sqrt(spread + frame.surroundings.w / max(own.z, 0.1))) * frame.irradiance.w;
+}

@@ -1,0 +1,102 @@
+//! Directions of a light at every pixel, exactly as shading computes them, for read-back. The shader is
+//! `directions.frag`.
+
+use super::covered;
+use super::shade::LightKind;
+use crate::error::Result;
+use crate::render::gbuffer::GBuffer;
+use crate::render::object::DeviceObject;
+use crate::render::shader;
+use crate::vk::access::Access;
+use crate::vk::commands::Recorder;
+use crate::vk::device::Device;
+use crate::vk::image::{Description, Image};
+use crate::vk::pipeline::{Depth, Drawing, Pipeline, Stencil};
+use ash::vk;
+use std::sync::Arc;
+
+const FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// Images of the directions of a light, of one picture size. Undefined at uncovered pixels.
+pub struct LightDirections {
+    /// ω_i in the frame of the patch, from below in shadow; w: falloff of the light, 1 for a distant one.
+    pub light: Image,
+    /// Jacobian of (u, v) = −(ω_i + ω_r).xy: du/dx, dv/dx, du/dy, dv/dy per pixel, x to the right and y downward.
+    pub footprints: Image,
+    /// Radiance of the surroundings in the mirrored direction.
+    pub mirrored: Image,
+    // One for each kind of light that was drawn.
+    pipelines: Vec<(LightKind, Pipeline)>,
+}
+
+impl LightDirections {
+    /// Makes images of `size` pixels.
+    ///
+    /// # Errors
+    /// Fails if the device is out of memory.
+    pub fn new(device: &Arc<Device>, size: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as Usage;
+        let usage = Usage::COLOR_ATTACHMENT | Usage::TRANSFER_SRC | Usage::SAMPLED;
+        let image = |name| {
+            Image::new(device, &Description { name, format: FORMAT, size, layers: 1, array: false, usage })
+        };
+        Ok(Self {
+            light: image("directions of the light")?,
+            footprints: image("footprints")?,
+            mirrored: image("mirrored radiance")?,
+            pipelines: Vec::new(),
+        })
+    }
+
+    /// Makes the pipeline for lights of this `kind`, unless it is there already.
+    ///
+    /// # Errors
+    /// Fails if Vulkan reports an error.
+    pub fn prepare(
+        &mut self,
+        device: &Arc<Device>,
+        kind: LightKind,
+        object: &DeviceObject,
+        gbuffer: &GBuffer,
+    ) -> Result<()> {
+        if self.pipelines.iter().any(|(own, _)| *own == kind) {
+            return Ok(());
+        }
+        let settings = gbuffer.settings;
+        let stencil = settings.several.then_some(Stencil::Match);
+        let depth = Some(Depth { stencil, ..covered(settings.depth_format()) });
+        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[FORMAT; 3], depth };
+        let (vertex, constants) = (shader!("display.vert"), kind.constants());
+        let fragment = Some(shader!("directions.frag").with(&constants));
+        let sets = [&object.frame.descriptors];
+        self.pipelines.push((kind, Pipeline::graphics(device, vertex, fragment, &drawing, &sets, 0)?));
+        Ok(())
+    }
+
+    /// Records the directions of a light of this `kind` at the pixels of `objects`, whose `Frame` blocks hold the light. The
+    /// images become readable by shaders.
+    pub fn record(
+        &self,
+        record: &Recorder<'_>,
+        kind: LightKind,
+        gbuffer: &GBuffer,
+        objects: &[DeviceObject],
+    ) {
+        let Some((_, pipeline)) = self.pipelines.iter().find(|(own, _)| *own == kind) else { return };
+        let images = [&self.light, &self.footprints, &self.mirrored];
+        let mut before = images.map(|image| (image, Access::Nothing, Access::ColorAttachment)).to_vec();
+        before.push((&gbuffer.depth, Access::DepthAttachment, Access::DepthAttachment));
+        record.images(&before);
+        let cleared = images.map(|image| (image, Some([0.0; 4])));
+        record.render_over(&cleared, &gbuffer.depth, |draw| {
+            for (number, object) in objects.iter().enumerate() {
+                draw.bind(pipeline, &[&object.frame.descriptors]);
+                if gbuffer.settings.several {
+                    draw.stencil(super::stencil_of(number));
+                }
+                draw.draw(3);
+            }
+        });
+        record.images(&images.map(|image| (image, Access::ColorAttachment, Access::ShaderRead)));
+    }
+}
