@@ -9,6 +9,9 @@
 | `base_color` | albedo of a matt pigment below the surface, linear sRGB; black by default |
 | `tangent` | name of a mesh attribute with the direction of the rows of the height field, as `vertex_tangent`; by default dp/du |
 
+Evaluations average over the footprint of the pixel, too, where `si` has the differentials of its texture coordinates. Mitsuba's own integrators compute none in
+these variants: each of their samples is a direction of its own, blurred by `footprint`.
+
 `eval` returns linear sRGB of f cos(theta_light) in 1/sr, whose components may be negative: colours of diffraction leave the gamut of sRGB. The specular order is part
 of it, a narrow lobe that coherence blurs, and no delta function. docs/EXPORT.md of diffract has the function step by step.
 """
@@ -25,8 +28,6 @@ from lobes import Lobes
 HORIZON = 1e-6
 # Standard deviation of the pixel filter that a footprint stands for [pixels].
 FILTER = 0.5
-# Of BSDFFlags in C++, which Python does not name: Mitsuba computes the differentials of (u, v).
-NEEDS_DIFFERENTIALS = 0x20000
 
 
 def buffer(numbers):
@@ -55,8 +56,8 @@ class Diffract(mi.BSDF):
         self.mean = buffer(export.mean)
         self.lobes = Lobes(export, self.least, max(self.base_color))
         flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.Anisotropic | mi.BSDFFlags.FrontSide
-        self.m_components = [int(flags)]
-        self.m_flags = int(flags) | NEEDS_DIFFERENTIALS
+        self.m_components = [flags]
+        self.m_flags = flags
 
     # ------------------------------------------------------------------------------------------------ the function
 

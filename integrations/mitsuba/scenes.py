@@ -65,6 +65,15 @@ def plate(bsdf):
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(0.5), "bsdf": bsdf}
 
 
+def ground(radius=4.0, albedo=(0.06, 0.055, 0.05)):
+    """Returns a round matt ground at z = 0."""
+    return {
+        "type": "disk",
+        "to_world": mi.ScalarTransform4f().scale(radius),
+        "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(albedo)}},
+    }
+
+
 def obj(path, bsdf):
     """Returns the mesh in an OBJ file whose y axis points up, with normals and texture coordinates, and with smooth tangents as the attribute TANGENT."""
     lists, corners, triangles, known = {"v": [], "vt": [], "vn": []}, [], [], {}
