@@ -65,7 +65,7 @@ def plate(bsdf):
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f().scale(0.5), "bsdf": bsdf}
 
 
-def ground(radius=4.0, albedo=(0.06, 0.055, 0.05)):
+def ground(radius=4.0, albedo=(0.05, 0.046, 0.042)):
     """Returns a round matt ground at z = 0."""
     return {
         "type": "disk",

@@ -16,6 +16,7 @@ mi.set_log_level(mi.LogLevel.Error)
 import drjit as dr  # noqa: E402
 from mitsuba import chi2  # noqa: E402
 
+import compare  # noqa: E402
 import diffract_bsdf  # noqa: E402, F401
 import first_hit  # noqa: E402
 import render  # noqa: E402
@@ -127,6 +128,15 @@ class Pictures(unittest.TestCase):
         print(f"snake, 64 samples, blocks of {block}: {off:.3f} relative L2; mean {found.mean(axis=0) / ours.mean(axis=0)}")
         self.assertLess(off, 0.08)
         self.assertLess(abs(found.mean(axis=0) / ours.mean(axis=0) - 1).max(), 0.02)
+
+
+class ThreePrograms(unittest.TestCase):
+    def test_a_plate_by_diffract_by_mitsuba_and_by_a_browser_is_the_same(self):
+        shown, _ = compare.plates()
+        for pair, off in compare.differences(shown).items():
+            print(f"plate, {' from '.join(pair)}: {off:.1e} relative L2")
+            self.assertLess(off, 1e-3, pair)  # 5e-5 is measured
+        self.assertGreater(relative_l2(shown["Mitsuba"][:, ::-1], shown["diffract"]), 0.1)
 
 
 class Energy(unittest.TestCase):
