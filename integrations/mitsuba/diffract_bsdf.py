@@ -12,8 +12,8 @@
 Evaluations average over the footprint of the pixel, too, where `si` has the differentials of its texture coordinates. Mitsuba's own integrators compute none in
 these variants: each of their samples is a direction of its own, blurred by `footprint`.
 
-`eval` returns linear sRGB of f cos(theta_light) in 1/sr, whose components may be negative: colours of diffraction leave the gamut of sRGB. The specular order is part
-of it, a narrow lobe that coherence blurs, and no delta function. docs/EXPORT.md of diffract has the function step by step.
+`eval` returns linear sRGB of f cos(theta_light) in 1/sr, whose components may be negative: colours of diffraction leave the gamut of sRGB. The specular order is
+part of it, a narrow lobe that coherence blurs, and no delta function. docs/EXPORT.md of diffract has the function step by step.
 """
 
 import drjit as dr

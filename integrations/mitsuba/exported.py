@@ -57,7 +57,8 @@ class Export:
         try:
             return json.loads((self.folder / name).read_text())
         except (OSError, ValueError) as error:
-            raise ExportError(f"{self.folder / name} cannot be read ({error}); make an export: diffract export SURFACE -o {self.folder}") from None
+            why = getattr(error, "strerror", None) or error
+            raise ExportError(f"{self.folder / name} cannot be read ({why}); make an export: diffract export SURFACE -o {self.folder}") from None
 
     def texels(self):
         """Returns the levels of table.ktx2, a KTX2 file of plain 16-bit floats."""

@@ -2,7 +2,8 @@
 
 With p = -(u, v) = light + viewer across the normal, a density of p is one of solid angle times cos(theta_light): d(omega) = d(p) / cos(theta_light).
 
-1. The table. Its luminance times the factor of f cos(theta_light) / cos(theta_light) is tabulated over p for directions of the viewer, and interpolated between them.
+1. The table. Its luminance times the factor of f cos(theta_light) / cos(theta_light) is tabulated over p for directions of the viewer, and interpolated between
+   them.
 2. The specular order: a Gaussian of p as wide as that of the longest wavelengths, so that no wavelength has a wider one.
 3. The hemisphere, evenly. f cos(theta_light) does not fall to 0 at the horizon, so that a cosine lobe would have weights without a bound there.
 """
@@ -49,7 +50,7 @@ def reflectance(export, cosine):
 
 
 def slices(export, footprint):
-    """Returns the density of p, not normalised, for each azimuth and cosine of the viewer, [azimuth][cosine][row][column], and the position of the last cell."""
+    """Returns the density of p, not normalised, [azimuth of the viewer][cosine of the viewer][row][column], and the position of the last cell."""
     held = coordinates(export, footprint)
     side = held.shape[1]
     last = export.grid["extent"] * (1 - 1 / side)

@@ -8,16 +8,17 @@ import numpy as np
 
 mi.set_variant("llvm_ad_rgb")
 
-import diffract_bsdf  # noqa: E402  registers `diffract`
+import diffract_bsdf  # noqa: E402, F401  registers `diffract`
 import scenes  # noqa: E402
 import tone  # noqa: E402
+from exported import Export, ExportError  # noqa: E402
 
 SNAKE = Path(__file__).parents[2] / "assets/meshes/snake.obj"
 # Cameras, lights and pigments of assets/scenes: eye, target, field of view; theta, phi, intensity.
 CAMERAS = {"plate": ([1.0, 0.0, 1.5], [0.02, 0.0, 0.0], 35), "snake": ([0.353, 1.86, 1.467], [0.04, 0.04, 0.085], 35)}
 LIGHTS = {"plate": (40, 180, 2), "snake": (40, -97, 2)}
 EXPOSURES = {"plate": -5.0, "snake": 1.8}
-PIGMENT = [0.006, 0.0045, 0.003]
+PIGMENTS = {"plate": [0.7, 0.7, 0.8], "snake": [0.006, 0.0045, 0.003]}
 # Samples of a pixel that are drawn at once: they take about 1 kB each.
 SAMPLES_AT_ONCE = 8
 
@@ -79,12 +80,12 @@ def main():
     parser.add_argument("--no-sky", action="store_true", help="leave out the sky")
     arguments = parser.parse_args()
     mi.set_log_level(mi.LogLevel.Error)
+    Export(arguments.folder)  # Mitsuba buries the error of an export in its own
     name = arguments.scene
     others = {} if arguments.no_sky else {"sky": scenes.sky()}
     if arguments.ground:
         others["ground"] = scenes.ground()
-    pigment = PIGMENT if name == "snake" else [0.0] * 3
-    material = {"type": "diffract", "folder": arguments.folder, "base_color": {"type": "rgb", "value": pigment}}
+    material = {"type": "diffract", "folder": arguments.folder, "base_color": {"type": "rgb", "value": PIGMENTS[name]}}
     drawn = path_traced(scene(name, material, arguments.size, LIGHTS[name], others), arguments.samples, arguments.depth, arguments.most_indirect)
     write(arguments.output, drawn, EXPOSURES[name] if arguments.exposure is None else arguments.exposure)
 
@@ -92,5 +93,5 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except diffract_bsdf.ExportError as error:
+    except ExportError as error:
         raise SystemExit(f"render: {error}") from None
