@@ -61,22 +61,19 @@ class Diffract(mi.BSDF):
 
     # ------------------------------------------------------------------------------------------------ the function
 
-    def between(self, samples, count, place):
-        """Returns samples over 0 ... 1, linear between two. One sample is a float."""
+    def between(self, kind, samples, row, count, place, active):
+        """Returns the samples of a row over 0 ... 1, linear between two. A sample is of `kind`."""
         at = dr.clip(place, 0, 1) * (count - 1)
         left = dr.minimum(dr.floor(at), count - 2)
-        index = mi.UInt32(left)
-        return dr.lerp(dr.gather(mi.Float, samples, index), dr.gather(mi.Float, samples, index + 1), at - left)
+        index = mi.UInt32(left) + row * count
+        return dr.lerp(dr.gather(kind, samples, index, active), dr.gather(kind, samples, index + 1, active), at - left)
 
-    def specular(self, p, w, covariance):
+    def specular(self, p, w, covariance, active):
         """Returns the specular order: a Gaussian of (u, v) for each band of wavelengths."""
         bands, count = self.export.specular.shape[:2]
-        at = dr.clip(w / LARGEST_W, 0, 1) * (count - 1)
-        left = dr.minimum(dr.floor(at), count - 2)
         rgb = mi.Color3f(0)
         for band in range(bands):
-            index = mi.UInt32(left) + band * count
-            weight = dr.lerp(dr.gather(mi.Vector4f, self.specular_weights, index), dr.gather(mi.Vector4f, self.specular_weights, index + 1), at - left)
+            weight = self.between(mi.Vector4f, self.specular_weights, band, count, w / LARGEST_W, active)
             density = covariance.widened(float(self.export.variances[band])).density(p)
             rgb += density * mi.Color3f(weight.x, weight.y, weight.z)
         return rgb
@@ -140,9 +137,9 @@ class Diffract(mi.BSDF):
         both = light + viewer
         p, w = mi.Vector2f(both.x, both.y), dr.maximum(both.z, HORIZON)
         half2 = 0.5 * dr.squared_norm(both)  # 1 + light . viewer
-        reflectance = self.between(self.mean, len(self.export.mean), dr.sqrt(0.5 * half2))
+        reflectance = self.between(mi.Float, self.mean, 0, len(self.export.mean), dr.sqrt(0.5 * half2), active)
         factor = reflectance * half2 * half2 / (dr.maximum(viewer.z, HORIZON) * w * w)
-        diffracted = self.scattered(p, w, covariance, active) * (w * w) + self.specular(p, w, covariance)
+        diffracted = self.scattered(p, w, covariance, active) * (w * w) + self.specular(p, w, covariance, active)
         pigment = mi.Color3f(self.base_color) * ((1 - reflectance) * light.z * dr.inv_pi)
         return dr.select(active, diffracted * factor + pigment, 0)
 
@@ -206,7 +203,7 @@ class Diffract(mi.BSDF):
     def eval_pdf(self, ctx, si, wo, active=True):
         light, viewer, of_value, of_density = self.patch(si, wo, active)
         active = self.above(si, wo, active)
-        return self.rgb(light, viewer, of_value, active), dr.select(active, self.lobes.pdf(light, viewer, of_density), 0)
+        return self.rgb(light, viewer, of_value, active), dr.select(active, self.lobes.pdf(light, viewer, of_density, active), 0)
 
     def eval(self, ctx, si, wo, active=True):
         light, viewer, covariance, _ = self.patch(si, wo, active)
@@ -214,12 +211,13 @@ class Diffract(mi.BSDF):
 
     def pdf(self, ctx, si, wo, active=True):
         light, viewer, _, covariance = self.patch(si, wo, active)
-        return dr.select(self.above(si, wo, active), self.lobes.pdf(light, viewer, covariance), 0)
+        active = self.above(si, wo, active)
+        return dr.select(active, self.lobes.pdf(light, viewer, covariance, active), 0)
 
     def sample(self, ctx, si, sample1, sample2, active=True):
         _, viewer, _, covariance = self.patch(si, si.wi, active)
         bs = mi.BSDFSample3f()
-        bs.wo = self.from_patch(self.turn(si, active), self.lobes.sample(viewer, covariance, sample1, sample2))
+        bs.wo = self.from_patch(self.turn(si, active), self.lobes.sample(viewer, covariance, sample1, sample2, active))
         value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
         bs.eta = 1
         bs.sampled_type = mi.UInt32(+mi.BSDFFlags.GlossyReflection)

@@ -101,11 +101,11 @@ class Lobes:
         """Returns the parameters of the table's distribution."""
         return mi.Vector2f(dr.atan2(viewer.y, viewer.x), dr.clip(viewer.z, float(COSINES[0]), 1))
 
-    def sample(self, viewer, covariance, sample1, sample2):
+    def sample(self, viewer, covariance, sample1, sample2, active):
         """Returns a unit vector to the light, which may lie below the horizon: then the density is 0."""
         even, both = self.shares(viewer.z)
         hemisphere = mi.warp.square_to_uniform_hemisphere(sample2)
-        place, _ = self.table.sample(sample2, self.of_viewer(viewer))
+        place, _ = self.table.sample(sample2, self.of_viewer(viewer), active)
         in_table = (2 * place - 1) * self.last
         # Cholesky's root of the covariance.
         c = covariance.widened(self.widest)
@@ -119,12 +119,12 @@ class Lobes:
         scattered = mi.Vector3f(across.x, across.y, dr.select(z2 > 0, dr.safe_sqrt(z2), -1))
         return dr.select(sample1 < even, hemisphere, scattered)
 
-    def pdf(self, light, viewer, covariance):
+    def pdf(self, light, viewer, covariance, active):
         """Returns the density of solid angle of directions above the horizon."""
         even, both = self.shares(viewer.z)
         p = mi.Vector2f(light.x + viewer.x, light.y + viewer.y)
         place = (p / self.last + 1) * 0.5
         inside = dr.all((place >= 0) & (place <= 1))
-        in_table = self.table.eval(dr.clip(place, 0, 1), self.of_viewer(viewer)) / dr.square(2 * self.last)
+        in_table = self.table.eval(dr.clip(place, 0, 1), self.of_viewer(viewer), active) / dr.square(2 * self.last)
         of_p = (1 - both) * dr.select(inside, in_table, 0) + (both - even) * covariance.widened(self.widest).density(p)
         return even * (0.5 * dr.inv_pi) + of_p * light.z
