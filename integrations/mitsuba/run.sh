@@ -1,6 +1,6 @@
 #!/bin/sh
 # Tests the BSDF, or runs one of the scripts, in a virtual environment of its own.
-#   integrations/mitsuba/run.sh                              the tests: about 4 minutes on one slow core
+#   integrations/mitsuba/run.sh                              the tests: about 6 minutes on one slow core; needs Chromium
 #   integrations/mitsuba/run.sh render.py snake FOLDER -o snake.png
 # DIFFRACT names the program, else target/release/diffract. DRJIT_LIBLLVM_PATH names LLVM's library, version 16 or newer.
 set -eu
