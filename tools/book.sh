@@ -56,8 +56,9 @@ if [ -z "${VK_DRIVER_FILES:-}" ]; then
     export VK_DRIVER_FILES VK_ICD_FILENAMES="$VK_DRIVER_FILES"
 fi
 
-# Pictures that no command of a page draws: src/cli/surface/worked_example.rs (DIFFRACT_BLESS=1), tools/validity/figure.py, tests/gpu/long_run.rs.
-elsewhere='preparing.png validity.png long-run.svg'
+# Pictures that no command of a page draws: src/cli/surface/worked_example.rs (DIFFRACT_BLESS=1), tools/validity/figure.py, tests/gpu/long_run.rs,
+# integrations/mitsuba (render.py, compare.py).
+elsewhere='preparing.png validity.png long-run.svg mitsuba.webp export-plates.png'
 
 # pages: README.md and the pages that docs/SUMMARY.md links to, once each.
 pages() {
