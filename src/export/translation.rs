@@ -1,0 +1,134 @@
+//! The function that reads an export in WGSL and HLSL, translated from its GLSL by naga.
+
+use super::shader::{self, ShaderLanguage};
+use crate::error::{Error, Result};
+use crate::table::TableHeader;
+use naga::back::{hlsl, wgsl};
+use naga::front::glsl;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, ShaderStage};
+
+/// Declarations of GLSL and those with textures and samplers apart, which both languages have.
+const APART: [(&str, &str); 3] = [
+    ("#ifndef DIFFRACT_LAYOUT\n#define DIFFRACT_LAYOUT(number)\n#endif\n", ""),
+    (
+        "DIFFRACT_LAYOUT(0) uniform sampler2DArray diffract_table;",
+        "layout(set = 0, binding = 0) uniform texture2DArray diffract_table_texture;
+layout(set = 0, binding = 1) uniform sampler diffract_sampler;
+#define diffract_table sampler2DArray(diffract_table_texture, diffract_sampler)",
+    ),
+    (
+        "DIFFRACT_LAYOUT(1) uniform sampler2D diffract_functions;",
+        "layout(set = 0, binding = 2) uniform texture2D diffract_functions_texture;
+#define diffract_functions sampler2D(diffract_functions_texture, diffract_sampler)",
+    ),
+];
+
+/// End of the program, which the translator asks for.
+const MAIN: &str = "void main() {}\n";
+
+/// Returns the shader that reads the table of `header` in WGSL.
+///
+/// # Errors
+/// Never, because all tables give the same program but for numbers.
+pub fn write_wgsl(header: &TableHeader) -> Result<String> {
+    let (module, info) = parsed(header)?;
+    let text = wgsl::write_string(&module, &info, wgsl::WriterFlags::empty()).map_err(|e| failed(&e))?;
+    let about = concat!(
+        "// Diffraction of a surface, translated from material.glsl of diffract ",
+        env!("CARGO_PKG_VERSION"),
+        ". Call diffract_rgb, the last function below.
+// diffract_table_texture is table.ktx2 with diffract_sampler: linear, nearest between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+    );
+    Ok(format!("{about}{}", without_main(&text)?))
+}
+
+/// Returns the same in HLSL, shader model 5.1.
+///
+/// # Errors
+/// As [`write_wgsl`].
+pub fn write_hlsl(header: &TableHeader) -> Result<String> {
+    let (module, info) = parsed(header)?;
+    let options = hlsl::Options { fake_missing_bindings: true, ..hlsl::Options::default() };
+    let pipeline = hlsl::PipelineOptions::default();
+    let mut text = String::new();
+    hlsl::Writer::new(&mut text, &options, &pipeline).write(&module, &info, None).map_err(|e| failed(&e))?;
+    let about = concat!(
+        "// Diffraction of a surface, translated from material.glsl of diffract ",
+        env!("CARGO_PKG_VERSION"),
+        ". Call diffract_rgb, the last function below; frame is float3x3(T, B, N).
+// diffract_table_texture is table.ktx2 with diffract_sampler: linear, point between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+    );
+    Ok(format!("{about}{}", without_main(&with_plain_sampler(&text))?))
+}
+
+/// Parses and validates the GLSL of `header`.
+fn parsed(header: &TableHeader) -> Result<(Module, ModuleInfo)> {
+    let mut text = shader::write(header, ShaderLanguage::Glsl) + MAIN;
+    for (combined, apart) in APART {
+        text = text.replace(combined, apart);
+    }
+    let options = glsl::Options::from(ShaderStage::Fragment);
+    let mut module = glsl::Frontend::default().parse(&options, &text).map_err(|e| failed(&e))?;
+    module.entry_points.clear();
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::default());
+    let info = validator.validate(&module).map_err(|e| failed(&e.into_inner()))?;
+    Ok((module, info))
+}
+
+fn failed(reason: &dyn std::fmt::Display) -> Error {
+    Error::failed(
+        format!("the reading function cannot be translated ({reason})"),
+        "report this as a bug of diffract",
+    )
+}
+
+/// Cuts off the empty main function, which is the last one.
+fn without_main(text: &str) -> Result<&str> {
+    let end = ["\nfn main", "\nvoid main"].iter().find_map(|begin| text.rfind(begin));
+    end.map(|end| &text[..end]).ok_or_else(|| failed(&"it has no end"))
+}
+
+/// Declares a sampler instead of naga's heap of all samplers, which programs of others do not have.
+fn with_plain_sampler(text: &str) -> String {
+    const HEAP: [&str; 3] =
+        ["nagaSamplerHeap[2048]", "nagaComparisonSamplerHeap[2048]", "nagaGroup0SamplerIndexArray :"];
+    let line = |line: &str| {
+        if HEAP.iter().any(|part| line.contains(part)) {
+            String::new()
+        } else if line.starts_with("static const SamplerState diffract_sampler =") {
+            "SamplerState diffract_sampler : register(s0);\n".to_owned()
+        } else {
+            format!("{line}\n")
+        }
+    };
+    text.lines().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::conformance::tests::small_table;
+
+    #[test]
+    fn wgsl_is_valid_and_ends_with_the_function() {
+        let (_, table) = small_table();
+        let text = write_wgsl(&table.header).unwrap();
+        let module = naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text)).unwrap();
+        Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).unwrap();
+        let (_, last) = module.functions.iter().last().unwrap();
+        assert_eq!(last.name.as_deref(), Some("diffract_rgb"));
+        assert_eq!(module.global_variables.len(), 3);
+        let broken = text.replace("fn diffract_uv", "fn diffract_xy(");
+        assert!(naga::front::wgsl::parse_str(&broken).is_err());
+    }
+
+    #[test]
+    fn hlsl_has_one_sampler_and_no_heap() {
+        let (_, table) = small_table();
+        let text = write_hlsl(&table.header).unwrap();
+        assert_eq!(text.matches("SamplerState").count(), 1, "{text}");
+        assert!(!text.contains("naga_heap") && !text.contains("Heap"));
+        assert!(text.contains("float3 diffract_rgb(") && !text.contains("main("));
+    }
+}
