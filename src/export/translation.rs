@@ -59,7 +59,7 @@ pub fn write_hlsl(header: &TableHeader) -> Result<String> {
         ". Call diffract_rgb, the last function below; frame is float3x3(T, B, N).
 // diffract_table_texture is table.ktx2 with diffract_sampler: linear, point between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
     );
-    Ok(format!("{about}{}", without_main(&with_plain_sampler(&text))?))
+    Ok(format!("{about}{}", without_main(&in_plain_hlsl(&text))?))
 }
 
 /// Parses and validates the GLSL of `header`.
@@ -89,20 +89,53 @@ fn without_main(text: &str) -> Result<&str> {
     end.map(|end| &text[..end]).ok_or_else(|| failed(&"it has no end"))
 }
 
-/// Declares a sampler instead of naga's heap of all samplers, which programs of others do not have.
-fn with_plain_sampler(text: &str) -> String {
+/// Returns naga's HLSL `text` without what only a program of wgpu has, or only some compilers take.
+fn in_plain_hlsl(text: &str) -> String {
+    /// naga's heap of all samplers, which programs of others do not have.
     const HEAP: [&str; 3] =
         ["nagaSamplerHeap[2048]", "nagaComparisonSamplerHeap[2048]", "nagaGroup0SamplerIndexArray :"];
     let line = |line: &str| {
-        if HEAP.iter().any(|part| line.contains(part)) {
+        if HEAP.iter().any(|part| line.contains(part)) || is_padding(line) {
             String::new()
         } else if line.starts_with("static const SamplerState diffract_sampler =") {
             "SamplerState diffract_sampler : register(s0);\n".to_owned()
+        } else if line.starts_with("static const ") {
+            with_braces(line) + "\n"
         } else {
             format!("{line}\n")
         }
     };
     text.lines().map(line).collect()
+}
+
+/// Returns true for a member that pads a structure for buffers. These structures stand in none, and lists of their members leave it out.
+fn is_padding(line: &str) -> bool {
+    let name = line.trim().strip_prefix("int _").and_then(|name| name.strip_suffix(';'));
+    name.is_some_and(|name| name.trim_start_matches("end_").starts_with("pad"))
+}
+
+/// Writes the constructors in a constant as lists in braces: glslang refuses some constants that call a function, and crashes on others.
+fn with_braces(line: &str) -> String {
+    const CONSTRUCTOR: &str = "Construct";
+    let mut written = String::with_capacity(line.len());
+    let mut ends = Vec::new();
+    for c in line.chars() {
+        let next = match c {
+            '(' => {
+                let name = written.rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |at| at + 1);
+                let is_list = written[name..].starts_with(CONSTRUCTOR);
+                if is_list {
+                    written.truncate(name);
+                }
+                ends.push(if is_list { '}' } else { ')' });
+                if is_list { '{' } else { '(' }
+            }
+            ')' => ends.pop().unwrap_or(')'),
+            c => c,
+        };
+        written.push(next);
+    }
+    written
 }
 
 #[cfg(test)]
@@ -130,5 +163,14 @@ mod tests {
         assert_eq!(text.matches("SamplerState").count(), 1, "{text}");
         assert!(!text.contains("naga_heap") && !text.contains("Heap"));
         assert!(text.contains("float3 diffract_rgb(") && !text.contains("main("));
+        assert!(!text.lines().any(|line| line.starts_with("static const") && line.contains("Construct")));
+    }
+
+    #[test]
+    fn constructors_in_constants_are_lists() {
+        let line = "static const A b = ConstructA(f(1.0), Constructarray2_x_((0.0).xx, g(2)), 3);";
+        assert_eq!(with_braces(line), "static const A b = {f(1.0), {(0.0).xx, g(2)}, 3};");
+        assert!(is_padding("    int _pad7_0;") && is_padding("    int _end_pad_0;"));
+        assert!(!is_padding("    int padded;") && !is_padding("    int rows;"));
     }
 }

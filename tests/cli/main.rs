@@ -10,6 +10,7 @@ mod devices;
 mod display;
 mod eval;
 mod export;
+mod export_wgsl;
 mod faults;
 mod hostile_files;
 mod hostile_options;

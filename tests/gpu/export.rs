@@ -151,7 +151,8 @@ fn compiled(reader: &ExportReader, language: Language, frame: [[f32; 3]; 3]) -> 
 
 fn by_glslang(text: &str, language: shaderc::SourceLanguage) -> Vec<u8> {
     let mut options = shaderc::CompileOptions::new().unwrap();
-    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
+    // Glslang has storage buffers of HLSL that SPIR-V 1.3 of Vulkan 1.1 is the last to know.
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
     options.set_source_language(language);
     options.add_macro_definition("DIFFRACT_LAYOUT(number)", Some("layout(set = 0, binding = number)"));
     let compiler = shaderc::Compiler::new().unwrap();
