@@ -16,6 +16,7 @@ mod hostile_files;
 mod hostile_options;
 mod maps;
 mod objects;
+mod orders;
 mod outputs;
 mod peaks;
 mod profile;
