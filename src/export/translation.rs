@@ -46,7 +46,7 @@ pub fn write_wgsl(header: &TableHeader) -> Result<String> {
 /// Returns the same in HLSL, shader model 5.1.
 ///
 /// # Errors
-/// As [`write_wgsl`].
+/// Same as [`write_wgsl`].
 pub fn write_hlsl(header: &TableHeader) -> Result<String> {
     let (module, info) = parsed(header)?;
     let options = hlsl::Options { fake_missing_bindings: true, ..hlsl::Options::default() };
