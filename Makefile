@@ -1,5 +1,5 @@
 # ARGS is handed on: make run ARGS="--tolerance 1e-2", make test ARGS="--test gpu".
-.PHONY: help run test build setup lint measure book clean
+.PHONY: help run test build setup lint measure book release clean
 
 ARGS =
 export PATH := $(PATH):$(or $(CARGO_HOME),$(HOME)/.cargo)/bin
@@ -12,6 +12,7 @@ help:
 	@echo 'make lint    formatting, clippy and rustdoc, warnings denied'
 	@echo 'make measure speed against accuracy on this machine, into docs/BENCHMARKS.md; ARGS=--check compares instead'
 	@echo 'make book    every command and picture of the book in docs/; as HTML in target/book where mdbook is installed'
+	@echo 'make release an archive for x86-64 Linux in target/archive, with completions, pages for man and licences'
 	@echo 'make clean   remove what was built'
 
 run:
@@ -43,6 +44,9 @@ measure: build
 book: build
 	@tools/book.sh $(ARGS)
 	@if command -v mdbook >/dev/null; then mdbook build && python3 tools/links.py target/book; else echo 'mdbook is not installed: no HTML (cargo install mdbook --locked)'; fi
+
+release:
+	@tools/release.sh $(ARGS)
 
 clean:
 	cargo clean

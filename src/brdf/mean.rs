@@ -74,6 +74,12 @@ impl MeanBrdf<'_> {
         blurred + specular * Spread::new(Blur::of_coherence(self.sigma), around, q).density(f)
     }
 
+    /// Returns |c_m|² at z = k|w| \[rad/µm\] by a plain sum over the samples.
+    pub(super) fn order_power(&self, order: [i64; 2], z: f64) -> f64 {
+        let (specular, powers) = self.order_powers(z, &[order[0]], &[order[1]]);
+        if order == [0, 0] { specular } else { powers.iter().sum() }
+    }
+
     /// Returns |c_0|², and |c_m|² for m in `columns` × `rows`, row by row, each a plain sum over the samples.
     fn order_powers(&self, z: f64, columns: &[i64], rows: &[i64]) -> (f64, Vec<f64>) {
         let field = self.field;

@@ -3,12 +3,14 @@
 mod direct;
 pub mod mean;
 mod mean_answers;
+mod orders;
 mod seen_part;
 mod spread;
 pub mod tabulated;
 
 pub use direct::DirectSum;
 pub use mean_answers::{MeanFromOrders, MeanReference};
+pub use orders::DiffractionOrder;
 
 use crate::error::Result;
 use crate::optics::geometry::Pair;

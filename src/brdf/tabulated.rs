@@ -16,6 +16,7 @@ use crate::spectra::power::{
     Blur, Downsampling, OrderGrid, OrderSeries, PowerSettings, Pyramid, PyramidLevel, TERMS_AT_ONCE,
     Transform,
 };
+use crate::surface::HeightField;
 use glam::{DVec2, DVec3, Vec4};
 use pulp::as_arrays;
 use rayon::prelude::*;
@@ -94,10 +95,8 @@ impl<'a> TabulatedMean<'a> {
         progress: Progress<'_>,
     ) -> Result<Self> {
         let MeanBrdf { field, sigma, beyond, .. } = mean;
-        let (low, high) = field.range();
         let settings = PowerSettings { shortest, ..PowerSettings::new(sigma, beyond, 0.0) };
-        let turns = 2.0 * PI / shortest * (high - low);
-        let terms = (turns.ceil() as usize + MORE_NODES).next_multiple_of(TERMS_AT_ONCE);
+        let terms = Self::terms(field, shortest);
         let [x, y] = mean.blur().variance;
         let grid = OrderGrid::new(field, 2.0 / shortest, CUT * x.max(y).sqrt());
         let transform = Transform::new(field, grid, beyond);
@@ -105,6 +104,13 @@ impl<'a> TabulatedMean<'a> {
         let series = OrderSeries::with_terms(&transform, &settings, terms, progress)?;
         progress(terms, terms)?;
         Ok(Self { mean, sampling, series, pyramid: OnceLock::new() })
+    }
+
+    /// Returns the number of terms in z, each of which takes a transform of `field`, for wavelengths from `shortest` \[µm\].
+    pub(super) fn terms(field: &HeightField, shortest: f64) -> usize {
+        let (low, high) = field.range();
+        let turns = 2.0 * PI / shortest * (high - low);
+        (turns.ceil() as usize + MORE_NODES).next_multiple_of(TERMS_AT_ONCE)
     }
 
     /// Returns ⟨|P|²⟩/A \[µm²\] as [`MeanBrdf::power`].
@@ -266,6 +272,18 @@ impl<'a> TabulatedMean<'a> {
         STEP.powf((count.ln() / STEP.ln()).ceil()) as usize
     }
 
+    /// Returns |c_m|² at z = k|w| \[rad/µm\]; 0 for an order that is not held.
+    pub(super) fn order_power(&self, order: [i64; 2], z: f64) -> f64 {
+        if order == [0, 0] {
+            return self.series.specular_power(z);
+        }
+        let series = Pyramid::orders(&self.series).at(order[0], order[1]).unwrap_or_default();
+        let mut t = vec![0.0; self.series.terms];
+        self.series.polynomials_at(z, &mut t);
+        let sum: f64 = series.iter().zip(&t).map(|(a, t)| f64::from(*a) * t).sum();
+        (z * z * sum).max(0.0)
+    }
+
     /// Returns the shortest tabulated wavelength \[µm\].
     pub fn shortest(&self) -> f64 {
         4.0 * PI / self.series.z_max
@@ -294,7 +312,6 @@ mod tests {
     use super::*;
     use crate::optics::geometry::direction;
     use crate::spectra::power::Beyond;
-    use crate::surface::HeightField;
     use crate::surface::synth::{self, Spec, SurfaceKind};
 
     fn rough() -> HeightField {

@@ -5,6 +5,7 @@ use crate::brdf::Brdf;
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
 use crate::setup::Method;
+use crate::units;
 use glam::DVec3;
 use indicatif::ProgressBar;
 
@@ -41,6 +42,15 @@ pub fn ask(
     Ok(all)
 }
 
+/// Parses a wavelength \[µm\].
+pub fn wavelength(text: &str) -> Result<f64> {
+    let (low, high) = WAVELENGTHS;
+    units::length(text).and_then(|length| {
+        let refused = || Error::usage(format!("'{text}' is out of range"), "give 10nm to 100um");
+        (low..=high).contains(&length).then_some(length).ok_or_else(refused)
+    })
+}
+
 /// Fails if `method` has no single wavelengths.
 pub fn check_single_wavelengths(method: Method) -> Result<()> {
     if method != Method::Table {
@@ -50,4 +60,15 @@ pub fn check_single_wavelengths(method: Method) -> Result<()> {
         "--method table holds colours, summed over the spectrum, and no single wavelength",
         "use --method spectral or --method reference",
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wavelengths_are_lengths() {
+        assert!((wavelength("550nm").unwrap() - 0.55).abs() < 1e-12);
+        assert!(wavelength("550").is_err() && wavelength("1nm").is_err() && wavelength("1mm").is_err());
+    }
 }

@@ -15,6 +15,7 @@ mod finished;
 mod last_view;
 mod manual;
 mod options;
+mod orders;
 mod peaks;
 mod prepare;
 mod profile;
@@ -76,8 +77,10 @@ enum Command {
     Render(render::Arguments),
     /// BRDF numbers for given directions
     Eval(eval::Arguments),
-    /// The hemisphere of one light direction, as a picture
+    /// The hemisphere of one light direction, as a picture or as numbers
     Brdf(brdf::Arguments),
+    /// Angles and efficiencies of the orders of a periodic surface
+    Orders(orders::Arguments),
     /// The material for other programs: a colour table that they can read
     Export(export::Arguments),
     /// Peak angles against the grating equation
@@ -147,6 +150,7 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Brdf(arguments) => brdf::run(&arguments),
+        Command::Orders(arguments) => orders::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Peaks(arguments) => peaks::run(&arguments),
         Command::Profile(arguments) => profile::run(&arguments),

@@ -2,12 +2,14 @@
 
 mod display;
 mod preparation;
+mod reflectance;
 mod surface;
 mod view;
 
 pub use display::Exposure;
 #[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
+pub use reflectance::{ReflectanceOptions, ior};
 pub use surface::SurfaceOptions;
 pub use view::{ViewOptions, light_by};
 
@@ -15,9 +17,7 @@ use super::say;
 use crate::cache;
 use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
-use crate::optics::material::Material;
-use crate::optics::polarisation::Polarisation;
-use crate::optics::reflectance::{DielectricLaw, Film, Reflectance};
+use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::render::shading::Shading;
 use crate::scene::Scene;
@@ -27,7 +27,7 @@ use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::HeightField;
 use crate::units;
 use crate::vk::selection::DeviceChoice;
-use clap::builder::{OsStringValueParser, PossibleValue, TypedValueParser};
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::sync::Once;
@@ -38,8 +38,6 @@ const TOLERANCES: (f64, f64) = (1e-6, 1.0);
 const MAX_TERMS: usize = 128;
 /// Smallest and largest number of wavelengths.
 const WAVELENGTHS: (usize, usize) = (4, 4096);
-/// Default refractive index of a surface.
-const DEFAULT_IOR: f64 = 1.5;
 /// Range of refractive indices: those of real materials, with a margin.
 const IORS: (f64, f64) = (1.0, 10.0);
 /// Range of coherence lengths of a window \[µm\]: from less than a wavelength to a laser's.
@@ -93,23 +91,8 @@ pub struct OpticsOptions {
     /// with the same statistics) [default: copies if the edges of the field meet, else alike]
     #[arg(long, value_name = "copies|alike", value_parser = beyond)]
     pub beyond: Option<Beyond>,
-    /// Refractive index of the surface, at every wavelength [default: 1.5]
-    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true)]
-    pub ior: Option<f64>,
-    /// Material of the surface, for Fresnel's equations at every wavelength: glass, keratin, aluminium, silver, gold, copper, nickel,
-    /// silicon, or a CSV file of wavelength in nm, n and k
-    #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file), conflicts_with = "ior")]
-    pub material: Option<Material>,
-    /// Equations for the share of light that an index reflects: fresnel (exact), or schlick (the approximation of the thesis, 20 % off at 60
-    /// degrees) [default: fresnel]
-    #[arg(long, value_name = "fresnel|schlick", value_parser = law, conflicts_with_all = ["material", "film"])]
-    pub reflectance: Option<DielectricLaw>,
-    /// Thin transparent film on the surface, with thickness and refractive index, as in 120nm:1.7
-    #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true)]
-    pub film: Option<Film>,
-    /// Polarisation of the light: te (electric field perpendicular to the plane of light and viewer), tm (in it) or none [default: none]
-    #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
-    pub polarisation: Option<Polarisation>,
+    #[command(flatten)]
+    pub surface_reflectance: ReflectanceOptions,
 }
 
 impl OpticsOptions {
@@ -138,6 +121,7 @@ impl OpticsOptions {
     /// # Errors
     /// Options that do not, with the remedy.
     pub fn check(&self) -> Result<()> {
+        self.surface_reflectance.check()?;
         let all = self.windows() == Windows::All;
         let of_one_window = [("--basis", self.basis.is_some()), ("--terms", self.terms.is_some())];
         if let Some((name, _)) = of_one_window.iter().find(|(_, named)| *named && all) {
@@ -146,13 +130,6 @@ impl OpticsOptions {
                     "{name} is about the expansion for one window, and the mean over all windows has none"
                 ),
                 format!("add --windows 1x1, or leave {name} away"),
-            ));
-        }
-        let polarised = self.polarisation.is_some_and(|light| light != Polarisation::None);
-        if polarised && self.reflectance == Some(DielectricLaw::Schlick) {
-            return Err(Error::usage(
-                "Schlick's approximation knows no polarisation",
-                "leave --reflectance schlick away, for Fresnel's equations",
             ));
         }
         if self.beyond.is_some() && !all {
@@ -166,25 +143,12 @@ impl OpticsOptions {
 
     /// Returns the reflectance of the surface: that of the scene, unless the options name a material, in light of their polarisation.
     pub fn reflectance(&self, scene: Option<&Reflectance>) -> Reflectance {
-        let named = self.named_reflectance().or_else(|| scene.cloned());
-        named.unwrap_or_default().polarised(self.polarisation.unwrap_or_default())
-    }
-
-    /// Returns the reflectance that the options name, in unpolarised light.
-    fn named_reflectance(&self) -> Option<Reflectance> {
-        if self.material.is_none() && self.film.is_none() {
-            let named = self.ior.is_some() || self.reflectance.is_some();
-            let law = self.reflectance.unwrap_or(DielectricLaw::Fresnel);
-            return named.then(|| law.of_index(self.ior.unwrap_or(DEFAULT_IOR)));
-        }
-        let plain = || Material::constant(self.ior.unwrap_or(DEFAULT_IOR));
-        Some(Reflectance::of_material(self.material.clone().unwrap_or_else(plain), self.film))
+        self.surface_reflectance.of_surface(scene)
     }
 
     /// Returns the file of the material; `None` for a built-in one.
     pub fn files(&self) -> Option<&OsStr> {
-        let name = self.material.as_ref().map(|material| OsStr::new(&material.name));
-        name.filter(|name| !Material::is_built_in(name))
+        self.surface_reflectance.files()
     }
 
     /// Returns `shading` with the material of `scene`, unless the options name another.
@@ -367,11 +331,6 @@ fn wavelengths(text: &str) -> Result<usize> {
     whole(text, WAVELENGTHS, "wavelengths")
 }
 
-/// Parses a refractive index.
-pub fn ior(text: &str) -> Result<f64> {
-    real(text, IORS, "refractive index")
-}
-
 /// Parses the number of pixels that are compared with the reference.
 pub fn sample_pixels(text: &str) -> Result<usize> {
     whole(text, (1, MAX_SAMPLED), "pixels")
@@ -387,11 +346,6 @@ fn windows(text: &str) -> Result<Windows> {
         return Ok(Windows::All);
     }
     units::counts(text).and_then(|n| bounded(text, n, MAX_WINDOWS, "windows")).map(Windows::Grid)
-}
-
-fn law(text: &str) -> Result<DielectricLaw> {
-    let named = DielectricLaw::ALL.into_iter().find(|law| law.name() == text);
-    named.ok_or_else(|| Error::usage(format!("there is no reflectance `{text}`"), "give fresnel or schlick"))
 }
 
 fn beyond(text: &str) -> Result<Beyond> {

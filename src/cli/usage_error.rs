@@ -9,7 +9,8 @@ pub fn in_one_line(e: &clap::Error, command: &str) -> Error {
     let see = format!("see `{command} --help`");
     let text = |kind| match e.get(kind) {
         Some(ContextValue::String(s)) => Some(s.clone()),
-        Some(ContextValue::Strings(list)) => list.first().cloned(),
+        // The most similar one comes last.
+        Some(ContextValue::Strings(list)) => list.last().cloned(),
         _ => None,
     };
     let argument = text(ContextKind::InvalidArg).unwrap_or_default();

@@ -3,7 +3,7 @@
 use super::conformance::Conformance;
 use super::description::{FileSum, MaterialDescription, is_description};
 use super::shader::{self, ShaderLanguage};
-use super::{ExportedMaterial, ktx2, openexr};
+use super::{ExportedMaterial, ktx2, openexr, translation};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::output::{TEMPORARY, write_failed};
@@ -21,8 +21,11 @@ const DIRECTIONS: &str = "conformance.csv";
 const FUNCTIONS: &str = "functions.ktx2";
 const SHADER: &str = "material.glsl";
 const SHADER_ES: &str = "material.es.glsl";
+const SHADER_WGSL: &str = "material.wgsl";
+const SHADER_HLSL: &str = "material.hlsl";
 /// The files that the description has sums of.
-const DESCRIBED: [&str; 7] = [TABLE, TEXELS, TEXELS_AS_EXR, DIRECTIONS, FUNCTIONS, SHADER, SHADER_ES];
+const DESCRIBED: [&str; 9] =
+    [TABLE, TEXELS, TEXELS_AS_EXR, DIRECTIONS, FUNCTIONS, SHADER, SHADER_ES, SHADER_WGSL, SHADER_HLSL];
 
 /// Fails if an export must not stand at `folder`: asked before long work whose result would be lost.
 ///
@@ -103,6 +106,8 @@ pub fn write(
     add(FUNCTIONS, ktx2::write_functions(header))?;
     add(SHADER, shader::write(header, ShaderLanguage::Glsl).into_bytes())?;
     add(SHADER_ES, shader::write(header, ShaderLanguage::GlslEs).into_bytes())?;
+    add(SHADER_WGSL, translation::write_wgsl(header)?.into_bytes())?;
+    add(SHADER_HLSL, translation::write_hlsl(header)?.into_bytes())?;
     put(&draft.path().join(MATERIAL), &json(description)?, folder)?;
     give_name(draft, folder)
 }
@@ -220,7 +225,7 @@ impl ExportReader {
     /// Same as the other functions.
     pub fn check(&self) -> Result<Conformance> {
         self.table()?;
-        for name in [TEXELS_AS_EXR, FUNCTIONS, SHADER, SHADER_ES] {
+        for name in [TEXELS_AS_EXR, FUNCTIONS, SHADER, SHADER_ES, SHADER_WGSL, SHADER_HLSL] {
             self.file(name)?;
         }
         self.conformance()

@@ -8,7 +8,7 @@
 //! | `table.ktx2` | the texels: a 2D array of RGBA16F with all levels ([`ktx2`]) |
 //! | `table.exr` | the same texels, a part for each layer of each level ([`openexr`]) |
 //! | `functions.ktx2` | the functions of `table.json` as a texture |
-//! | `material.glsl`, `material.es.glsl` | the function that reads the textures ([`shader`]) |
+//! | `material.glsl`, `material.es.glsl`, `material.wgsl`, `material.hlsl` | the function that reads the textures ([`shader`], [`translation`]) |
 //! | `conformance.csv` | directions with footprints, their exact colours, and those of the table ([`Conformance`]) |
 
 mod conformance;
@@ -18,6 +18,7 @@ pub mod ktx2;
 pub mod openexr;
 pub mod page;
 pub mod shader;
+pub mod translation;
 
 pub use conformance::{Conformance, ConformanceRow, PortErrors};
 pub use description::{FileSum, MaterialDescription, MeasuredErrors};

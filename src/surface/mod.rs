@@ -9,6 +9,7 @@ pub mod statistics;
 pub mod synth;
 pub mod tiling;
 pub(crate) mod transpose;
+mod unit_cell;
 
 pub use height_field::{HeightField, MAX_SIDE};
 pub use prepare::Levelling;

@@ -115,6 +115,52 @@ fn a_pixel_is_what_eval_says_of_its_direction() {
 }
 
 #[test]
+fn csv_and_npy_hold_the_numbers_of_the_exr() {
+    let sandbox = Sandbox::new();
+    for (more, names) in [(&[][..], "r,g,b"), (&["--wavelength", "550nm"], "brdf")] {
+        let exr = map(&sandbox, "blaze", "30,40", more);
+        let channels = names.split(',').count();
+        for name in ["m.csv", "m.npy"] {
+            let arguments = ["brdf", "blaze", "-o", name, "--light", "30,40"];
+            assert_eq!(sandbox.run2(&arguments, &[&WINDOW[..], more].concat()).done(), "");
+        }
+        let csv = String::from_utf8(sandbox.read("m.csv")).unwrap();
+        let mut lines = csv.lines();
+        assert_eq!(lines.next().unwrap(), format!("x,y,theta_r,phi_r,{names}"));
+        let inside: Vec<usize> = (0..exr.len()).filter(|&i| exr[i][3] > 0.0).collect();
+        let rows: Vec<Vec<f64>> =
+            lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+        assert_eq!(rows.len(), inside.len());
+        for (row, &index) in rows.iter().zip(&inside) {
+            assert_eq!(row[..2], place(index));
+            let toward = diffract::optics::geometry::direction(row[2], row[3]);
+            assert!((toward.x - row[0]).hypot(toward.y - row[1]) < 1e-12);
+            let values: Vec<f32> = row[4..].iter().map(|x| *x as f32).collect();
+            assert_eq!(values, exr[index][..channels]);
+        }
+        let npy = sandbox.read("m.npy");
+        let begin = 10 + usize::from(u16::from_le_bytes([npy[8], npy[9]]));
+        let header = std::str::from_utf8(&npy[10..begin]).unwrap();
+        let shape = if channels == 3 { "(64, 64, 3)" } else { "(64, 64)" };
+        let expected = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}");
+        assert!(npy.starts_with(b"\x93NUMPY\x01\x00") && begin % 64 == 0 && header.ends_with('\n'));
+        assert_eq!(header.trim_end(), expected);
+        let values: Vec<f32> =
+            npy[begin..].as_chunks().0.iter().map(|four| f32::from_le_bytes(*four)).collect();
+        assert_eq!(values.len(), exr.len() * channels);
+        for (pixel, values) in exr.iter().zip(values.chunks(channels)) {
+            if pixel[3] > 0.0 {
+                assert_eq!(values, &pixel[..channels]);
+            } else {
+                assert!(values.iter().all(|x| x.is_nan()));
+            }
+        }
+    }
+    let line = sandbox.run(["brdf", "blaze", "--light", "30,0", "-o", "m.txt"]).refused(2);
+    assert!(line.contains(".csv or .npy"), "{line}");
+}
+
+#[test]
 fn spectral_agrees_with_the_reference_and_another_wavelength_does_not() {
     let sandbox = Sandbox::new();
     let ask = |more: &[&str]| map(&sandbox, "blaze", "30,40", more);

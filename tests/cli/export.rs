@@ -5,7 +5,7 @@ use crate::sandbox::Sandbox;
 use std::process::Command;
 
 /// A small export of a small surface, which takes a second.
-const EXPORT: [&str; 14] = [
+pub const EXPORT: [&str; 14] = [
     "export",
     "small.png",
     "--pixel-size",
@@ -157,25 +157,29 @@ fn a_page_is_one_file_that_loads_nothing() {
     assert_eq!(sandbox.content(), before);
 }
 
+/// Chromium without a window, with a profile in the sandbox.
+pub fn chromium(sandbox: &Sandbox) -> Command {
+    let mut command = Command::new("chromium");
+    command.args([
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu-sandbox",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-dev-shm-usage",
+        "--enable-logging=stderr",
+        "--window-size=800,600",
+    ]);
+    command.arg(format!("--user-data-dir={}", sandbox.path("profile").display()));
+    command
+}
+
 /// Opens a page in Chromium. Returns the document after its scripts ran, and the log.
 fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
-    let profile = sandbox.path("profile");
-    let run = Command::new("chromium")
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu-sandbox",
-            "--use-angle=swiftshader",
-            "--enable-unsafe-swiftshader",
-        ])
-        .args([
-            "--no-first-run",
-            "--disable-background-networking",
-            "--disable-dev-shm-usage",
-            "--enable-logging=stderr",
-        ])
-        .args(["--window-size=800,600", "--timeout=60000", "--virtual-time-budget=10000", "--dump-dom"])
-        .arg(format!("--user-data-dir={}", profile.display()))
+    let run = chromium(sandbox)
+        .args(["--timeout=60000", "--virtual-time-budget=10000", "--dump-dom"])
         .arg(format!("file://{}", sandbox.path(name).display()))
         .output();
     let run = run

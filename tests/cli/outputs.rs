@@ -43,6 +43,7 @@ fn an_output_over_an_input_is_refused_by_every_command_and_the_input_stays() {
         &["eval", "flat", "--queries", "q.csv", "--illuminant", "light.csv", "-o", "light.csv"],
         &["profile", "scene.toml", "--json", "scene.toml"],
         &["profile", "mesh.obj", "--json", "mesh.obj"],
+        &["orders", "small.png", "--light", "30,0", "--wavelength", "550nm", "-o", "small.png"],
         &["peaks", "small.png", "--theta-i", "30", "--angles", "0:9:1", "-o", "small.png"],
         &["peaks", "small.png", "--theta-i", "30", "--angles", "0:9:1", "--json", "small.png"],
     ] {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// Longer than any run here takes on two cores that others use, too; a run that takes longer hangs.
-const TIMEOUT: Duration = Duration::from_secs(300);
+pub const TIMEOUT: Duration = Duration::from_secs(300);
 
 /// A periodic surface of 24 × 24 samples, and how to read it.
 pub const SMALL: [&str; 8] = [

@@ -3,11 +3,12 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 18] = [
+pub const COMMANDS: [(&[&str], &str); 19] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
     (&["brdf"], "--light"),
+    (&["orders"], "--wavelength"),
     (&["export"], "--footprint"),
     (&["peaks"], "--angles"),
     (&["profile"], "--frames"),
@@ -121,6 +122,7 @@ fn wrong_use_is_one_line_with_exit_code_2_that_names_where_the_help_is() {
         (&["eval", "blaze", "--surface", "flat", "--queries", "q.csv"], &["twice"]),
         (&["brdf", "blaze", "--light", "30,0"], &["--output", "`diffract brdf --help`"]),
         (&["brdf", "blaze", "-o", "a.png"], &["--light", "`diffract brdf --help`"]),
+        (&["orders", "blaze", "--light", "30,0"], &["--wavelength", "`diffract orders --help`"]),
         (&["peaks", "blaze", "--theta-i", "30"], &["--angles", "`diffract peaks --help`"]),
         (&["peaks", "blaze", "--angles", "0:9:1"], &["--theta-i", "`diffract peaks --help`"]),
         (&["surface", "synth", "blaze"], &["--output", "`diffract surface synth --help`"]),

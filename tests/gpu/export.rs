@@ -1,4 +1,4 @@
-//! The function that reads an export, as GLSL on the device, against the table.
+//! The function that reads an export, as GLSL, WGSL and HLSL on the device, against the table.
 
 use crate::device::with_device;
 use ash::vk;
@@ -22,8 +22,16 @@ use gpu_allocator::MemoryLocation;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Language of an exported shader.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Language {
+    Glsl,
+    Wgsl,
+    Hlsl,
+}
+
 /// Answers a question a thread: the end of a program whose begin is the exported shader.
-const MAIN: &str = "
+const GLSL_MAIN: &str = "
 layout(local_size_x = 64) in;
 struct Question { vec4 light; vec4 viewer; vec4 footprint; };
 layout(set = 0, binding = 2, std430) readonly buffer Questions { Question questions[]; };
@@ -37,9 +45,37 @@ void main() {
 }
 ";
 
-/// Standard frame, and one that is turned by a right angle about its normal.
-const STANDARD: &str = "mat3(1.0)";
-const TURNED: &str = "mat3(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0)";
+const WGSL_MAIN: &str = "
+struct Question { light: vec4<f32>, viewer: vec4<f32>, footprint: vec4<f32> }
+@group(0) @binding(3) var<storage, read> questions: array<Question>;
+@group(0) @binding(4) var<storage, read_write> answers: array<vec4<f32>>;
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < arrayLength(&questions) {
+        let q = questions[id.x];
+        answers[id.x] = vec4<f32>(diffract_rgb(q.light.xyz, q.viewer.xyz, FRAME, q.footprint.xy, q.footprint.zw), 1.0);
+    }
+}
+";
+
+const HLSL_MAIN: &str = "
+struct Question { float4 light; float4 viewer; float4 footprint; };
+[[vk::binding(3, 0)]] StructuredBuffer<Question> questions;
+[[vk::binding(4, 0)]] RWStructuredBuffer<float4> answers;
+[numthreads(64, 1, 1)]
+void main(uint3 id : SV_DispatchThreadID) {
+    uint count, stride;
+    questions.GetDimensions(count, stride);
+    if (id.x < count) {
+        Question q = questions[id.x];
+        answers[id.x] = float4(diffract_rgb(q.light.xyz, q.viewer.xyz, FRAME, q.footprint.xy, q.footprint.zw), 1.0);
+    }
+}
+";
+
+/// Columns of the standard frame, and of one that is turned by a right angle about its normal.
+const STANDARD: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const TURNED: [[f32; 3]; 3] = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn exported(folder: &Path) {
     let heights = (0..48 * 40).map(|i| 0.15 * (f64::from(i) * 0.618_034).fract()).collect();
@@ -79,27 +115,75 @@ fn texture(device: &Arc<Device>, reader: &ExportReader, name: &str) -> Image {
     image
 }
 
-/// Compiles the exported shader with [`MAIN`], where `frame` is the tangent frame.
-fn compiled(reader: &ExportReader, frame: &str) -> Vec<u8> {
-    let text = String::from_utf8(reader.file("material.glsl").unwrap()).unwrap() + MAIN;
-    let mut options = shaderc::CompileOptions::new().unwrap();
-    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
-    options.set_warnings_as_errors();
-    options.add_macro_definition("DIFFRACT_LAYOUT(number)", Some("layout(set = 0, binding = number)"));
-    options.add_macro_definition("FRAME", Some(frame));
-    let kind = shaderc::ShaderKind::Compute;
-    let compiler = shaderc::Compiler::new().unwrap();
-    let spirv = compiler.compile_into_spirv(&text, kind, "material.glsl", "main", Some(&options));
-    spirv.unwrap().as_binary_u8().to_vec()
+/// Compiles the exported shader of `language` with a main function, where `frame` is the tangent frame.
+fn compiled(reader: &ExportReader, language: Language, frame: [[f32; 3]; 3]) -> Vec<u8> {
+    let text = |name: &str| String::from_utf8(reader.file(name).unwrap()).unwrap();
+    let frame = |matrix: &str, vector: &str| {
+        let columns = frame.map(|[x, y, z]| format!("{vector}({x:?}, {y:?}, {z:?})"));
+        format!("{matrix}({})", columns.join(", "))
+    };
+    match language {
+        Language::Glsl => {
+            let main = GLSL_MAIN.replace("FRAME", &frame("mat3", "vec3"));
+            by_glslang(&(text("material.glsl") + &main), shaderc::SourceLanguage::GLSL)
+        }
+        Language::Hlsl => {
+            let main = HLSL_MAIN.replace("FRAME", &frame("float3x3", "float3"));
+            let numbered = [("t0", 0), ("s0", 1), ("t2", 2)].iter().fold(
+                text("material.hlsl"),
+                |text, (register, number)| {
+                    let lines = text.lines().map(|line| {
+                        match line.strip_suffix(&format!(" : register({register});")) {
+                            Some(declaration) => format!("[[vk::binding({number}, 0)]] {declaration};\n"),
+                            None => format!("{line}\n"),
+                        }
+                    });
+                    lines.collect()
+                },
+            );
+            by_glslang(&(numbered + &main), shaderc::SourceLanguage::HLSL)
+        }
+        Language::Wgsl => by_naga(
+            &(text("material.wgsl") + &WGSL_MAIN.replace("FRAME", &frame("mat3x3<f32>", "vec3<f32>"))),
+        ),
+    }
 }
 
-/// Colours of `shader` in the directions of `conformance`.
+fn by_glslang(text: &str, language: shaderc::SourceLanguage) -> Vec<u8> {
+    let mut options = shaderc::CompileOptions::new().unwrap();
+    // Glslang has storage buffers of HLSL that SPIR-V 1.3 of Vulkan 1.1 is the last to know.
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
+    options.set_source_language(language);
+    options.add_macro_definition("DIFFRACT_LAYOUT(number)", Some("layout(set = 0, binding = number)"));
+    let compiler = shaderc::Compiler::new().unwrap();
+    let kind = shaderc::ShaderKind::Compute;
+    compiler
+        .compile_into_spirv(text, kind, "material", "main", Some(&options))
+        .unwrap()
+        .as_binary_u8()
+        .to_vec()
+}
+
+fn by_naga(text: &str) -> Vec<u8> {
+    use naga::back::spv;
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+    let module = naga::front::wgsl::parse_str(text).map_err(|e| e.emit_to_string(text)).unwrap();
+    let info = Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).unwrap();
+    let options = spv::Options { lang_version: (1, 5), ..spv::Options::default() };
+    let pipeline =
+        spv::PipelineOptions { shader_stage: naga::ShaderStage::Compute, entry_point: "main".to_owned() };
+    let words = spv::write_vec(&module, &info, &options, Some(&pipeline)).unwrap();
+    bytemuck::cast_slice(&words).to_vec()
+}
+
+/// Colours by the `language` in the directions of `conformance`.
 fn answers(
     device: &Arc<Device>,
     reader: &ExportReader,
     conformance: &Conformance,
-    spirv: &[u8],
+    (language, frame): (Language, [[f32; 3]; 3]),
 ) -> Vec<DVec3> {
+    let spirv = &compiled(reader, language, frame);
     let question = |row: &diffract::export::ConformanceRow| {
         let (light, view, [dx, dy]) = (row.pair.light, row.pair.view, row.footprint);
         [light.extend(0.0), view.extend(0.0), dx.extend(dy.x).extend(dy.y)]
@@ -117,16 +201,37 @@ fn answers(
         Sampler::nearest(device, "functions sampler").unwrap(),
     );
     let stages = vk::ShaderStageFlags::COMPUTE;
-    let (image, list) = (vk::DescriptorType::COMBINED_IMAGE_SAMPLER, vk::DescriptorType::STORAGE_BUFFER);
-    let bindings = [image, image, list, list];
-    let bindings: Vec<_> =
-        (0..).zip(bindings).map(|(number, kind)| Binding { number, kind, stages }).collect();
+    let list = vk::DescriptorType::STORAGE_BUFFER;
+    // Samplers are apart from textures but in GLSL.
+    let kinds = match language {
+        Language::Glsl => vec![
+            vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+            vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+            list,
+            list,
+        ],
+        _ => vec![
+            vk::DescriptorType::SAMPLED_IMAGE,
+            vk::DescriptorType::SAMPLER,
+            vk::DescriptorType::SAMPLED_IMAGE,
+            list,
+            list,
+        ],
+    };
+    let lists = kinds.len() as u32 - 2;
+    let bindings: Vec<_> = (0..).zip(kinds).map(|(number, kind)| Binding { number, kind, stages }).collect();
     let set = Descriptors::new(device, "material set", &bindings).unwrap();
-    set.image(0, &texels, &by_level);
-    set.image(1, &functions, &nearest);
-    set.buffer(2, &asked);
-    set.written_buffer(3, &answered);
-    let code = Code { name: "material.glsl", spirv, constants: &[] };
+    if language == Language::Glsl {
+        set.image(0, &texels, &by_level);
+        set.image(1, &functions, &nearest);
+    } else {
+        set.image(0, &texels, &by_level);
+        set.image(1, &texels, &by_level);
+        set.image(2, &functions, &nearest);
+    }
+    set.buffer(lists, &asked);
+    set.written_buffer(lists + 1, &answered);
+    let code = Code { name: "material", spirv, constants: &[] };
     let pipeline = Pipeline::compute(device, code, &[&set], 0).unwrap();
     let mut commands = Commands::new(device, "material").unwrap();
     commands
@@ -141,21 +246,35 @@ fn answers(
     read.iter().map(|[r, g, b, _]| DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b))).collect()
 }
 
-#[test]
-fn the_exported_glsl_gives_the_colours_of_the_table_and_a_turned_frame_does_not() {
+/// Compares the colours of `language` with the table, and those of a turned frame, which must not agree.
+fn compare(language: Language) {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("material");
     exported(&folder);
     let reader = ExportReader::open(&folder).unwrap();
     let conformance = reader.check().unwrap();
     with_device(|device| {
-        let errors = |frame: &str| {
-            conformance.errors_of(&answers(device, &reader, &conformance, &compiled(&reader, frame)))
-        };
+        let errors =
+            |frame| conformance.errors_of(&answers(device, &reader, &conformance, (language, frame)));
         let right = errors(STANDARD);
-        eprintln!("{right:?}");
+        eprintln!("{language:?}: {right:?}");
         assert!(right.within(&PortErrors::RIGHT), "{right:?}");
         let turned = errors(TURNED);
         assert!(turned.relative_l2 > 10.0 * PortErrors::RIGHT.relative_l2, "{turned:?}");
     });
+}
+
+#[test]
+fn the_exported_glsl_gives_the_colours_of_the_table_and_a_turned_frame_does_not() {
+    compare(Language::Glsl);
+}
+
+#[test]
+fn the_exported_wgsl_gives_the_colours_of_the_table_and_a_turned_frame_does_not() {
+    compare(Language::Wgsl);
+}
+
+#[test]
+fn the_exported_hlsl_gives_the_colours_of_the_table_and_a_turned_frame_does_not() {
+    compare(Language::Hlsl);
 }

@@ -117,6 +117,7 @@ fn page() -> String {
          sinc²(m − |w|H/λ) for the blaze (d = 2.5 µm, H = 246.23 nm). An order stands where the grating equation has it: u = mλ/d and\n\
          v = 0, so that out of the grating's plane (φ_i other than 0° and 180°) the orders lie on a cone. Orders with cos θ_r below\n\
          0.25 are left out; at 75° the order is wide enough for 1/cos θ_r to bend over it, by a thousandth. The shares are those of scalar optics: they add up to about 1 near the normal and not at grazing angles.\n\n\
+         `diffract orders SURFACE --light THETA,PHI --wavelength LENGTH` writes the orders of any periodic surface with these shares times the reflectance, as CSV.\n\n\
          `DIFFRACT_BLESS=1 cargo test --test optics efficiency` writes this page.\n",
     );
     let degrees = |x: f64| x.to_degrees().round() + 0.0;

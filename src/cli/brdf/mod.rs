@@ -1,7 +1,8 @@
-//! `diffract brdf`: the hemisphere of one light direction, as a picture.
+//! `diffract brdf`: the hemisphere of one light direction, as a picture or as numbers.
 
 mod figure;
 pub(super) mod map;
+mod numbers;
 mod variant;
 
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, exposure};
@@ -20,6 +21,7 @@ use crate::units;
 use clap::Args;
 use glam::DVec3;
 use map::HemisphereMap;
+use numbers::MapFormat;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use variant::Variant;
@@ -35,17 +37,23 @@ the middle, the horizon at the rim. A mirror's spot stands opposite the light. V
 cosine, as linear sRGB; several lights are summed, each times its intensity. --plot draws a figure with angles, a colour
 bar and the settings: in colour and luminance, or at one wavelength in false colour.
 
+A .csv has a row for each direction, from the top of the map: x and y, the direction cosines of the
+viewer; theta_r and phi_r [degrees]; r, g and b, or brdf at one wavelength. A .npy has 32-bit floats: an
+array of N x N x 3, or of N x N at one wavelength, NaN outside the hemisphere. Element [j, i] is at
+x = 2(i + 0.5)/N - 1, y = 1 - 2(j + 0.5)/N.
+
 Examples:
   diffract brdf blaze --light 30,0 -o blaze.png
   diffract brdf blaze --light 30,0 --wavelength 550nm --plot orders.svg
   diffract brdf blaze --light 30,0 --wavelength 550nm --size 96x96 --compare spectral,reference --plot check.png
   diffract brdf elaphe --light 60,90 --wavelength 550nm --exposure 4 -o green.png
-  diffract brdf elaphe --light 30,0 --size 256x256 -o elaphe.exr        EXR: linear and signed, before exposure"
+  diffract brdf elaphe --light 30,0 --size 256x256 -o elaphe.exr        EXR: linear and signed, before exposure
+  diffract brdf elaphe --light 30,0 --wavelength 550nm --size 256x256 -o green.npy"
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
-    /// Output file: .png as displayed, .exr linear and signed
+    /// Output file: .png as displayed; .exr, .csv and .npy linear and signed
     #[arg(short, long, value_name = "FILE", required_unless_present = "plot")]
     output: Option<PathBuf>,
     /// Draw a labelled figure of the map: .svg or .png
@@ -67,7 +75,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NxN", value_parser = side, allow_hyphen_values = true, default_value = "512x512")]
     size: u32,
     /// Single wavelength, as in 550nm, in grey instead of the colour
-    #[arg(long, value_name = "LENGTH", value_parser = wavelength, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = evaluation::wavelength, allow_hyphen_values = true)]
     wavelength: Option<f64>,
     /// Exposure of a PNG in stops
     #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true, default_value = "0")]
@@ -95,18 +103,10 @@ fn side(text: &str) -> Result<u32> {
     }
 }
 
-fn wavelength(text: &str) -> Result<f64> {
-    let (low, high) = evaluation::WAVELENGTHS;
-    units::length(text).and_then(|length| {
-        let refused = || Error::usage(format!("'{text}' is out of range"), "give 10nm to 100um");
-        (low..=high).contains(&length).then_some(length).ok_or_else(refused)
-    })
-}
-
 /// Evaluates the map and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
-    let format = arguments.output.as_deref().map(picture_file::PictureFormat::of).transpose()?;
+    let format = arguments.output.as_deref().map(MapFormat::of).transpose()?;
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
@@ -130,6 +130,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         figure::of_map(arguments, &field, &map).save(plot)?;
     }
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
+    let is_spectral = arguments.wavelength.is_some();
+    let format = match format {
+        MapFormat::Picture(format) => format,
+        MapFormat::Csv => return numbers::write_csv(path, &map, is_spectral),
+        MapFormat::Npy => return numbers::write_npy(path, &map, is_spectral),
+    };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, surrounded: false };
     let illuminant = Illuminant::from_name_or_file(&arguments.colour.illuminant)?;
@@ -161,10 +167,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_square_and_wavelengths_lengths() {
+    fn sizes_are_square() {
         assert_eq!(side("256x256").unwrap(), 256);
         assert!(side("256x255").is_err() && side("16385x16385").is_err() && side("0x0").is_err());
-        assert!((wavelength("550nm").unwrap() - 0.55).abs() < 1e-12);
-        assert!(wavelength("550").is_err() && wavelength("1nm").is_err() && wavelength("1mm").is_err());
     }
 }

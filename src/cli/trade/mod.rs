@@ -275,7 +275,7 @@ fn setting(arguments: &Arguments, flags: &str) -> Result<BenchmarkOptions> {
         })?
         .options;
     options.optics.coherence = arguments.coherence;
-    options.optics.ior = Some(arguments.ior);
+    options.optics.surface_reflectance.ior = Some(arguments.ior);
     options.colour.illuminant.clone_from(&arguments.illuminant);
     let size = arguments.size.unwrap_or(if arguments.quick { [320, 240] } else { [640, 480] });
     Ok(BenchmarkOptions {

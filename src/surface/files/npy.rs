@@ -111,22 +111,32 @@ fn shape(text: &str) -> Result<[u64; 2]> {
 /// Writes `scan` as float64 in metres.
 ///
 /// # Errors
-/// The file cannot be written to.
+/// The file cannot be written.
 pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
+    let [columns, rows] = scan.size();
+    write_header("<f8", &[rows, columns], file)?;
+    scan.metres().try_for_each(|h| file.write_all(&h.to_le_bytes()))
+}
+
+/// Writes what stands before the numbers of an array of the type `descr` and of this `shape`, the last index running fastest.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_header(descr: &str, shape: &[usize], file: &mut impl Write) -> io::Result<()> {
     /// Alignment of the data in the file \[bytes\].
     const ALIGNMENT: usize = 64;
     /// Magic, version and length of the header.
     const START: usize = 10;
-    let [columns, rows] = scan.size();
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
+    let shape = shape.join(", ");
+    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}), }}");
     let length = (START + header.len() + 1).next_multiple_of(ALIGNMENT) - START;
     header += &" ".repeat(length - 1 - header.len());
     header.push('\n');
     file.write_all(MAGIC)?;
     file.write_all(&[1, 0])?;
     file.write_all(&(length as u16).to_le_bytes())?;
-    file.write_all(header.as_bytes())?;
-    scan.metres().try_for_each(|h| file.write_all(&h.to_le_bytes()))
+    file.write_all(header.as_bytes())
 }
 
 #[cfg(test)]

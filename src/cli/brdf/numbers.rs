@@ -1,0 +1,90 @@
+//! Maps as numbers: CSV and NumPy arrays.
+
+use super::map::{HemisphereMap, views};
+use crate::error::{Error, Result};
+use crate::output;
+use crate::picture_file::PictureFormat;
+use crate::surface::files::npy;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Format of a map, by the name of its file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapFormat {
+    /// Picture.
+    Picture(PictureFormat),
+    /// Row for each direction.
+    Csv,
+    /// Array of 32-bit floats.
+    Npy,
+}
+
+impl MapFormat {
+    /// Returns the format of a file name's extension.
+    ///
+    /// # Errors
+    /// Another extension than .png, .exr, .csv and .npy.
+    pub fn of(path: &Path) -> Result<Self> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("csv") => Ok(Self::Csv),
+            Some("npy") => Ok(Self::Npy),
+            _ => PictureFormat::of(path).map(Self::Picture).map_err(|_| {
+                Error::usage(
+                    format!("{}: the format of the map is not clear", path.display()),
+                    "name it .png, .exr, .csv or .npy",
+                )
+            }),
+        }
+    }
+}
+
+/// Writes `map` to the CSV file `path`, whole or not at all: direction cosines and angles of the viewer, and the BRDF \[sr⁻¹\]. At a single
+/// wavelength `is_spectral` is true and one number says it, else linear sRGB.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_csv(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
+    output::write_atomically(path, |file| {
+        csv(file, map, is_spectral).map_err(|e| output::write_failed(path, &e))
+    })
+}
+
+fn csv(file: &mut impl Write, map: &HemisphereMap, is_spectral: bool) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(file);
+    let directions = ["x", "y", "theta_r", "phi_r"];
+    let values: &[&str] = if is_spectral { &["brdf"] } else { &["r", "g", "b"] };
+    table.write_record(directions.iter().chain(values))?;
+    for (place, view) in views(map.side, 0..map.side) {
+        let theta = view.truncate().length().atan2(view.z).to_degrees();
+        let phi = view.y.atan2(view.x).to_degrees().rem_euclid(360.0);
+        let direction = [view.x, view.y, theta, phi].map(|x| x.to_string());
+        let numbers = map.pixels[place][..values.len()].iter().map(|x| format!("{x:e}"));
+        table.write_record(direction.into_iter().chain(numbers))?;
+    }
+    table.flush()
+}
+
+/// Writes `map` to the file `path`, whole or not at all, as an array of N × N numbers at a single wavelength (`is_spectral`), else of
+/// N × N × 3 of linear sRGB; NaN outside the hemisphere.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_npy(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
+    output::write_atomically(path, |file| {
+        npy(file, map, is_spectral).map_err(|e| output::write_failed(path, &e))
+    })
+}
+
+fn npy(file: &mut impl Write, map: &HemisphereMap, is_spectral: bool) -> io::Result<()> {
+    let side = map.side as usize;
+    let shape: &[usize] = if is_spectral { &[side, side] } else { &[side, side, 3] };
+    npy::write_header("<f4", shape, file)?;
+    let channels = if is_spectral { 1 } else { 3 };
+    for pixel in &map.pixels {
+        for value in &pixel[..channels] {
+            let value = if pixel[3] > 0.0 { *value } else { f32::NAN };
+            file.write_all(&value.to_le_bytes())?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,176 @@
+//! The function that reads an export in WGSL and HLSL, translated from its GLSL by naga.
+
+use super::shader::{self, ShaderLanguage};
+use crate::error::{Error, Result};
+use crate::table::TableHeader;
+use naga::back::{hlsl, wgsl};
+use naga::front::glsl;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, ShaderStage};
+
+/// Declarations of GLSL and those with textures and samplers apart, which both languages have.
+const APART: [(&str, &str); 3] = [
+    ("#ifndef DIFFRACT_LAYOUT\n#define DIFFRACT_LAYOUT(number)\n#endif\n", ""),
+    (
+        "DIFFRACT_LAYOUT(0) uniform sampler2DArray diffract_table;",
+        "layout(set = 0, binding = 0) uniform texture2DArray diffract_table_texture;
+layout(set = 0, binding = 1) uniform sampler diffract_sampler;
+#define diffract_table sampler2DArray(diffract_table_texture, diffract_sampler)",
+    ),
+    (
+        "DIFFRACT_LAYOUT(1) uniform sampler2D diffract_functions;",
+        "layout(set = 0, binding = 2) uniform texture2D diffract_functions_texture;
+#define diffract_functions sampler2D(diffract_functions_texture, diffract_sampler)",
+    ),
+];
+
+/// End of the program, which the translator asks for.
+const MAIN: &str = "void main() {}\n";
+
+/// Returns the shader that reads the table of `header` in WGSL.
+///
+/// # Errors
+/// Never, because all tables give the same program but for numbers.
+pub fn write_wgsl(header: &TableHeader) -> Result<String> {
+    let (module, info) = parsed(header)?;
+    let text = wgsl::write_string(&module, &info, wgsl::WriterFlags::empty()).map_err(|e| failed(&e))?;
+    let about = concat!(
+        "// Diffraction of a surface, translated from material.glsl of diffract ",
+        env!("CARGO_PKG_VERSION"),
+        ". Call diffract_rgb, the last function below.
+// diffract_table_texture is table.ktx2 with diffract_sampler: linear, nearest between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+    );
+    Ok(format!("{about}{}", without_main(&text)?))
+}
+
+/// Returns the same in HLSL, shader model 5.1.
+///
+/// # Errors
+/// Same as [`write_wgsl`].
+pub fn write_hlsl(header: &TableHeader) -> Result<String> {
+    let (module, info) = parsed(header)?;
+    let options = hlsl::Options { fake_missing_bindings: true, ..hlsl::Options::default() };
+    let pipeline = hlsl::PipelineOptions::default();
+    let mut text = String::new();
+    hlsl::Writer::new(&mut text, &options, &pipeline).write(&module, &info, None).map_err(|e| failed(&e))?;
+    let about = concat!(
+        "// Diffraction of a surface, translated from material.glsl of diffract ",
+        env!("CARGO_PKG_VERSION"),
+        ". Call diffract_rgb, the last function below; frame is float3x3(T, B, N).
+// diffract_table_texture is table.ktx2 with diffract_sampler: linear, point between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+    );
+    Ok(format!("{about}{}", without_main(&in_plain_hlsl(&text))?))
+}
+
+/// Parses and validates the GLSL of `header`.
+fn parsed(header: &TableHeader) -> Result<(Module, ModuleInfo)> {
+    let mut text = shader::write(header, ShaderLanguage::Glsl) + MAIN;
+    for (combined, apart) in APART {
+        text = text.replace(combined, apart);
+    }
+    let options = glsl::Options::from(ShaderStage::Fragment);
+    let mut module = glsl::Frontend::default().parse(&options, &text).map_err(|e| failed(&e))?;
+    module.entry_points.clear();
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::default());
+    let info = validator.validate(&module).map_err(|e| failed(&e.into_inner()))?;
+    Ok((module, info))
+}
+
+fn failed(reason: &dyn std::fmt::Display) -> Error {
+    Error::failed(
+        format!("the reading function cannot be translated ({reason})"),
+        "report this as a bug of diffract",
+    )
+}
+
+/// Cuts off the empty main function, which is the last one.
+fn without_main(text: &str) -> Result<&str> {
+    let end = ["\nfn main", "\nvoid main"].iter().find_map(|begin| text.rfind(begin));
+    end.map(|end| &text[..end]).ok_or_else(|| failed(&"it has no end"))
+}
+
+/// Returns naga's HLSL `text` without what only a program of wgpu has, or only some compilers take.
+fn in_plain_hlsl(text: &str) -> String {
+    /// naga's heap of all samplers, which programs of others do not have.
+    const HEAP: [&str; 3] =
+        ["nagaSamplerHeap[2048]", "nagaComparisonSamplerHeap[2048]", "nagaGroup0SamplerIndexArray :"];
+    let line = |line: &str| {
+        if HEAP.iter().any(|part| line.contains(part)) || is_padding(line) {
+            String::new()
+        } else if line.starts_with("static const SamplerState diffract_sampler =") {
+            "SamplerState diffract_sampler : register(s0);\n".to_owned()
+        } else if line.starts_with("static const ") {
+            with_braces(line) + "\n"
+        } else {
+            format!("{line}\n")
+        }
+    };
+    text.lines().map(line).collect()
+}
+
+/// Returns true for a member that pads a structure for buffers. These structures stand in none, and lists of their members leave it out.
+fn is_padding(line: &str) -> bool {
+    let name = line.trim().strip_prefix("int _").and_then(|name| name.strip_suffix(';'));
+    name.is_some_and(|name| name.trim_start_matches("end_").starts_with("pad"))
+}
+
+/// Writes the constructors in a constant as lists in braces: glslang refuses some constants that call a function, and crashes on others.
+fn with_braces(line: &str) -> String {
+    const CONSTRUCTOR: &str = "Construct";
+    let mut written = String::with_capacity(line.len());
+    let mut ends = Vec::new();
+    for c in line.chars() {
+        let next = match c {
+            '(' => {
+                let name = written.rfind(|c: char| !c.is_alphanumeric() && c != '_').map_or(0, |at| at + 1);
+                let is_list = written[name..].starts_with(CONSTRUCTOR);
+                if is_list {
+                    written.truncate(name);
+                }
+                ends.push(if is_list { '}' } else { ')' });
+                if is_list { '{' } else { '(' }
+            }
+            ')' => ends.pop().unwrap_or(')'),
+            c => c,
+        };
+        written.push(next);
+    }
+    written
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::conformance::tests::small_table;
+
+    #[test]
+    fn wgsl_is_valid_and_ends_with_the_function() {
+        let (_, table) = small_table();
+        let text = write_wgsl(&table.header).unwrap();
+        let module = naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text)).unwrap();
+        Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).unwrap();
+        let (_, last) = module.functions.iter().last().unwrap();
+        assert_eq!(last.name.as_deref(), Some("diffract_rgb"));
+        assert_eq!(module.global_variables.len(), 3);
+        let broken = text.replace("fn diffract_uv", "fn diffract_xy(");
+        assert!(naga::front::wgsl::parse_str(&broken).is_err());
+    }
+
+    #[test]
+    fn hlsl_has_one_sampler_and_no_heap() {
+        let (_, table) = small_table();
+        let text = write_hlsl(&table.header).unwrap();
+        assert_eq!(text.matches("SamplerState").count(), 1, "{text}");
+        assert!(!text.contains("naga_heap") && !text.contains("Heap"));
+        assert!(text.contains("float3 diffract_rgb(") && !text.contains("main("));
+        assert!(!text.lines().any(|line| line.starts_with("static const") && line.contains("Construct")));
+    }
+
+    #[test]
+    fn constructors_in_constants_are_lists() {
+        let line = "static const A b = ConstructA(f(1.0), Constructarray2_x_((0.0).xx, g(2)), 3);";
+        assert_eq!(with_braces(line), "static const A b = {f(1.0), {(0.0).xx, g(2)}, 3};");
+        assert!(is_padding("    int _pad7_0;") && is_padding("    int _end_pad_0;"));
+        assert!(!is_padding("    int padded;") && !is_padding("    int rows;"));
+    }
+}
