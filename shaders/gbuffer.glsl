@@ -89,7 +89,7 @@ mat2x3 view_changes(SurfacePoint at) {
     vec3 to_eye = frame.eye.xyz - at.position;
     float away = length(to_eye);
     mat2x3 moves = moves_on_plane(at, to_eye / away);
-    vec3 view = vec3(at.to_view.x, at.sense * at.to_view.y, at.to_view.z);
+    vec3 view = rotated(at.rotation, to_eye / away); // whose cosine has no lower bound
     return mat2x3(
         cross(at.curving_right, view) - rotated(at.rotation, moves[0]) / away,
         cross(at.curving_down, view) - rotated(at.rotation, moves[1]) / away);

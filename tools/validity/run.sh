@@ -1,5 +1,5 @@
 #!/bin/sh
-# Computes assets/validity/table.csv anew: C method against scalar theory. About an hour and a half on one slow core.
+# Computes assets/validity/table.csv anew: C method against scalar theory. Two hours and more on one slow core.
 #   tools/validity/run.sh [ARGUMENT OF table.py]...
 set -eu
 cd "$(dirname "$0")"

@@ -5,7 +5,9 @@ rigorous shares s and r: the mean of the orders' relative errors, weighted by th
 """
 
 import argparse
+import csv
 import pickle
+import random
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
@@ -54,12 +56,34 @@ def orders_of(point, folder):
     return found
 
 
+def verify(count, jobs):
+    """Computes `count` random points again and compares their rows with those of the table."""
+    rows = {tuple(row[:5]): row[5:] for row in csv.reader(TABLE.open())}
+    points = random.Random(1).sample(grid.points(), count)
+    largest, missing = 0.0, 0
+    with ProcessPoolExecutor(jobs) as pool:
+        for point, directions in zip(points, pool.map(grid.orders, points)):
+            fields = directions and row(point, directions)
+            kept = rows.get((point.kind, point.material, *(f"{v:g}" for v in [point.period, point.height, point.angle])))
+            if bool(fields) != bool(kept):
+                missing += 1
+                print(f"{point}: {fields} instead of {kept}")
+            elif fields:
+                # Of the diffracted light, in percent; three digits are kept.
+                pairs = [(float(a), float(b)) for a, b in zip(fields[5:8], kept[:3])]
+                largest = max(largest, max(abs(a - b) / max(1.0, abs(b)) for a, b in pairs))
+    print(f"{count} points: errors differ by at most {largest:.1e} of their value or of 1 %; {missing} are in one of both alone")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-o", "--output", type=Path, default=TABLE)
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--work", type=Path, help="folder that keeps the orders of each point, so that a stopped run goes on")
+    parser.add_argument("--verify", type=int, metavar="N", help="compute N random points again and compare them with the table instead")
     arguments = parser.parse_args()
+    if arguments.verify:
+        return verify(arguments.verify, arguments.jobs)
     if arguments.work:
         arguments.work.mkdir(parents=True, exist_ok=True)
     points, lines, left_out = grid.points(), [COLUMNS], 0
