@@ -27,6 +27,7 @@ struct SurfacePoint {
     float sense;        // -1 if the frame of the patch is left-handed, otherwise 1
     vec3 curving_right; // rotation of the right-handed frame to the next pixel to the right, in that frame
     vec3 curving_down;  // to the next pixel below
+    vec2 toward;        // side of the neighbour in the quad of 2 x 2 pixels: 1 or -1, to the right and downward
 };
 
 vec3 unprojected(vec2 s) {
@@ -63,7 +64,15 @@ SurfacePoint surface_at(ivec2 pixel) {
     at.sense = left_handed ? -1.0 : 1.0;
     at.curving_right = right.xyz;
     at.curving_down = down.xyz;
+    at.toward = vec2(1 - 2 * (pixel & 1));
     return at;
+}
+
+// Returns the difference of a direction between a pixel and its neighbour in the quad, over which the frame rotates, to
+// the second order. `toward` is the side of the neighbour.
+vec3 difference(vec3 rotation, vec3 direction, float toward) {
+    vec3 first = cross(rotation, direction);
+    return first + 0.5 * toward * cross(rotation, first);
 }
 
 // No branch: see `widened` in light.glsl.
@@ -91,6 +100,6 @@ mat2x3 view_changes(SurfacePoint at) {
     mat2x3 moves = moves_on_plane(at, to_eye / away);
     vec3 view = rotated(at.rotation, to_eye / away); // whose cosine has no lower bound
     return mat2x3(
-        cross(at.curving_right, view) - rotated(at.rotation, moves[0]) / away,
-        cross(at.curving_down, view) - rotated(at.rotation, moves[1]) / away);
+        difference(at.curving_right, view, at.toward.x) - rotated(at.rotation, moves[0]) / away,
+        difference(at.curving_down, view, at.toward.y) - rotated(at.rotation, moves[1]) / away);
 }

@@ -63,10 +63,9 @@ bool in_shadow(SurfacePoint at) {
     return texelFetch(shadow, ivec2(texel), 0).r < min(place.z - bias, 1.0);
 }
 
-// Returns the change of the direction to the light in the right-handed frame, where the point moves this far to the next
-// pixel and the frame rotates.
-vec3 light_change(SurfacePoint at, vec3 to_light, vec3 curving, vec3 move) {
-    vec3 change = cross(curving, to_light);
+// Adds to `change`, that of the direction to the light by the rotation of the frame, the change that a lamp makes where
+// the point moves this far to the next pixel.
+vec3 light_change(SurfacePoint at, vec3 change, vec3 move) {
     if (LAMP) {
         const float LARGEST = 2.0; // of differences of unit vectors; a plane that is seen from its edge has no bound
         vec3 toward = toward_light(at);
@@ -95,8 +94,9 @@ Footprint footprint_of(SurfacePoint at, vec3 to_light) {
     vec3 light = vec3(to_light.x, at.sense * to_light.y, to_light.z);
     mat2x3 moves = LAMP ? moves_on_plane(at, at.face) : mat2x3(0.0);
     mat2x3 changes = view_changes(at);
-    vec2 dx = (changes[0] + light_change(at, light, at.curving_right, moves[0])).xy;
-    vec2 dy = (changes[1] + light_change(at, light, at.curving_down, moves[1])).xy;
+    vec3 right = difference(at.curving_right, light, at.toward.x), down = difference(at.curving_down, light, at.toward.y);
+    vec2 dx = (changes[0] + light_change(at, right, moves[0])).xy;
+    vec2 dy = (changes[1] + light_change(at, down, moves[1])).xy;
     vec2 sense = -vec2(1.0, at.sense);
     Footprint change = Footprint(sense * dx, sense * dy);
     float variance = frame.light.w / (frame.at.footprint * frame.at.footprint);
