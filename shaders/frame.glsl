@@ -1,8 +1,8 @@
 // Set 0 of the graphics stages: the frame. Its twin is src/render/frame_set.rs; the test
 // `blocks_mean_the_same_to_rust_and_to_shaders` sends every field through the device and back.
 
-// Values of `emitter.w`.
-const float FAR_AWAY = 0.0, ALL_AROUND = 1.0, TO_ONE_SIDE = 2.0;
+// Value of `emitter.w` for a lamp that shines all around; 2 for one that shines to one side, 0 for a distant light.
+const float ALL_AROUND = 1.0;
 
 // Sample of a picture; see src/render/sampling.rs.
 struct Sample {
@@ -17,7 +17,7 @@ layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
     vec4 eye;                       // xyz: position of the viewer in the world
     vec4 light;                     // xyz: unit vector to the light, or point of a lamp; w: variance of it
-    vec4 emitter;                   // w: kind of emitter; xyz: centre of a lamp ALL_AROUND, or normal TO_ONE_SIDE
+    vec4 emitter;                   // w: kind of emitter; xyz: centre of a lamp ALL_AROUND, or normal of one to a side
     vec4 irradiance;                // rgb: over pi, facing the light; lamp: at distance 1. w: weight of surroundings
     vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 if the pigment texture is used
     vec4 grooves;                   // xy: cosine and sine of a constant angle of the patch; zw: size of a pixel in clip space

@@ -68,11 +68,11 @@ SurfacePoint surface_at(ivec2 pixel) {
     return at;
 }
 
-// Returns the difference of a direction between a pixel and its neighbour in the quad, over which the frame rotates, to
-// the second order. `toward` is the side of the neighbour.
-vec3 difference(vec3 rotation, vec3 direction, float toward) {
-    vec3 first = cross(rotation, direction);
-    return first + 0.5 * toward * cross(rotation, first);
+// Returns the difference between a pixel and its neighbour in the quad, on the side `toward`, of a direction in the
+// right-handed frame: `here`, and `there` in the world at the neighbour. The frame rotates by `curving` from pixel to pixel.
+vec3 difference(SurfacePoint at, vec3 curving, float toward, vec3 here, vec3 there) {
+    vec3 same = rotated(at.rotation, there), turn = toward * cross(curving, same);
+    return toward * (same + turn + 0.5 * toward * cross(curving, turn) - here);
 }
 
 // No branch: see `widened` in light.glsl.
@@ -93,13 +93,13 @@ mat2x3 moves_on_plane(SurfacePoint at, vec3 normal) {
     return mat2x3(along_x * (pixel.x / dot(x, along_x)), along_y * (pixel.y / dot(y, along_y)));
 }
 
-// Returns the change of the direction to the viewer in the right-handed frame of the patch, to the right and downward.
-mat2x3 view_changes(SurfacePoint at) {
+// Returns the differences of the direction to the viewer in the right-handed frame, to the right and downward. On the
+// plane that is parallel to the picture, the viewing ray moves by the same vector from each pixel to the next.
+mat2x3 view_differences(SurfacePoint at) {
     vec3 to_eye = frame.eye.xyz - at.position;
-    float away = length(to_eye);
-    mat2x3 moves = moves_on_plane(at, to_eye / away);
-    vec3 view = rotated(at.rotation, to_eye / away); // whose cosine has no lower bound
+    mat2x3 moves = moves_on_plane(at, transpose(frame.clip_from_world)[3].xyz);
+    vec3 here = rotated(at.rotation, normalize(to_eye)); // whose cosine has no lower bound
     return mat2x3(
-        difference(at.curving_right, view, at.toward.x) - rotated(at.rotation, moves[0]) / away,
-        difference(at.curving_down, view, at.toward.y) - rotated(at.rotation, moves[1]) / away);
+        difference(at, at.curving_right, at.toward.x, here, normalize(to_eye - at.toward.x * moves[0])),
+        difference(at, at.curving_down, at.toward.y, here, normalize(to_eye - at.toward.y * moves[1])));
 }

@@ -63,16 +63,9 @@ bool in_shadow(SurfacePoint at) {
     return texelFetch(shadow, ivec2(texel), 0).r < min(place.z - bias, 1.0);
 }
 
-// Adds to `change`, that of the direction to the light by the rotation of the frame, the change that a lamp makes where
-// the point moves this far to the next pixel.
-vec3 light_change(SurfacePoint at, vec3 change, vec3 move) {
-    if (LAMP) {
-        const float LARGEST = 2.0; // of differences of unit vectors; a plane that is seen from its edge has no bound
-        vec3 toward = toward_light(at);
-        vec3 aside = (move - toward * (dot(toward, move) / dot(toward, toward))) / length(toward);
-        change -= rotated(at.rotation, clamp(aside, -LARGEST, LARGEST));
-    }
-    return change;
+// Returns the unit vector to the light in the world where the point has moved.
+vec3 light_from(SurfacePoint at, vec3 move) {
+    return normalize(LAMP ? toward_light(at) - move : toward_light(at));
 }
 
 // Returns the footprint whose covariance is the sum of that of `change` and that of a light with a `variance` of
@@ -88,15 +81,15 @@ Footprint widened(Footprint change, float variance, vec2 to_light) {
     return Footprint(mix(dx, vec2(u, v), wide), mix(dy, vec2(0.0, sqrt(max(vv - v * v, 0.0))), wide));
 }
 
-// Returns the Jacobian of (u, v) = -(w_i + w_r).xy per pixel, x to the right, y downward. `to_light` is in the frame of
-// the patch.
+// Returns the Jacobian of (u, v) = -(w_i + w_r).xy per pixel, x to the right, y downward: differences to the neighbours in
+// the quad. `to_light` is in the frame of the patch.
 Footprint footprint_of(SurfacePoint at, vec3 to_light) {
     vec3 light = vec3(to_light.x, at.sense * to_light.y, to_light.z);
     mat2x3 moves = LAMP ? moves_on_plane(at, at.face) : mat2x3(0.0);
-    mat2x3 changes = view_changes(at);
-    vec3 right = difference(at.curving_right, light, at.toward.x), down = difference(at.curving_down, light, at.toward.y);
-    vec2 dx = (changes[0] + light_change(at, right, moves[0])).xy;
-    vec2 dy = (changes[1] + light_change(at, down, moves[1])).xy;
+    mat2x3 views = view_differences(at);
+    vec3 right = light_from(at, at.toward.x * moves[0]), down = light_from(at, at.toward.y * moves[1]);
+    vec2 dx = (views[0] + difference(at, at.curving_right, at.toward.x, light, right)).xy;
+    vec2 dy = (views[1] + difference(at, at.curving_down, at.toward.y, light, down)).xy;
     vec2 sense = -vec2(1.0, at.sense);
     Footprint change = Footprint(sense * dx, sense * dy);
     float variance = frame.light.w / (frame.at.footprint * frame.at.footprint);
@@ -118,7 +111,7 @@ vec3 mirrored_radiance(SurfacePoint at) {
     }
     // Change of the mirrored direction in the world: that in the frame, less the rotation of the frame.
     vec3 own = rotated(at.rotation, mirrored);
-    mat2x3 changes = view_changes(at);
+    mat2x3 changes = view_differences(at);
     vec3 dx = vec3(-changes[0].xy, changes[0].z) - cross(at.curving_right, own);
     vec3 dy = vec3(-changes[1].xy, changes[1].z) - cross(at.curving_down, own);
     float spread = frame.at.footprint * frame.at.footprint * 0.5 * (dot(dx, dx) + dot(dy, dy));

@@ -23,8 +23,7 @@ layout(constant_id = 2) const float NORMAL_OF_PIGMENT = 0.0; // R0 that attenuat
 layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 // Returns the radiance due to the light.
-vec3 of_light(ivec2 pixel, SurfacePoint at) {
-    vec3 to_light = direction_of_light(at);
+vec3 of_light(ivec2 pixel, SurfacePoint at, vec3 to_light) {
     Pair pair = pair_of(to_light, at.to_view, source.index);
     Footprint footprint = POINT;
     if (SOURCE_READS_FOOTPRINT) {
@@ -58,6 +57,7 @@ void main() {
         return;
     }
     SurfacePoint at = surface_at(pixel);
-    bool lit = above_horizon(direction_of_light(at), at.to_view) && !(SHADOWS && in_shadow(at));
-    radiance = vec4(of_surroundings(at) + (lit ? of_light(pixel, at) : vec3(0.0)), coverage);
+    vec3 to_light = direction_of_light(at);
+    bool lit = above_horizon(to_light, at.to_view) && !(SHADOWS && in_shadow(at));
+    radiance = vec4(of_surroundings(at) + (lit ? of_light(pixel, at, to_light) : vec3(0.0)), coverage);
 }
