@@ -10,7 +10,7 @@ use crate::brdf::mean::MeanBrdf;
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::optics::coherence::Beyond;
-use crate::optics::geometry::direction;
+use crate::optics::geometry::{angles, direction};
 use crate::scene::FarLight;
 use crate::setup;
 use crate::surface::HeightField;
@@ -169,15 +169,6 @@ fn rounded(nanometres: f64) -> f64 {
     (nanometres * 1e9).round() / 1e9
 }
 
-/// Returns polar angle and azimuth \[degrees\], the azimuth from 0 to 360; that of the normal is 0.
-fn angles(view: DVec3) -> (f64, f64) {
-    let across = view.truncate().length();
-    let azimuth = if across < 1e-12 { 0.0 } else { view.y.atan2(view.x).to_degrees().rem_euclid(360.0) };
-    // Rounding brings a direction just below +x to −0° or 360°.
-    let azimuth = if azimuth > 360.0 - 1e-9 { 0.0 } else { azimuth + 0.0 };
-    (across.atan2(view.z).to_degrees(), azimuth)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -191,14 +182,5 @@ mod tests {
         for bad in ["-1e-3", "2", "nan", ""] {
             assert!(least(bad).is_err(), "{bad}");
         }
-    }
-
-    #[test]
-    fn angles_of_a_direction_are_those_that_made_it() {
-        for (theta, phi) in [(0.0, 0.0), (1e-4, 359.0), (30.0, 180.0), (75.0, 270.0), (89.0, 12.5)] {
-            let (found_theta, found_phi) = angles(direction(theta, phi));
-            assert!((found_theta - theta).abs() < 1e-9 && (found_phi - phi).abs() < 1e-7);
-        }
-        assert_eq!(angles(DVec3::new(0.5, -1e-17, 0.75f64.sqrt())).1, 0.0);
     }
 }

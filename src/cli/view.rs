@@ -133,7 +133,7 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         beyond: shading.beyond,
         reflectance: shading.reflectance,
         illuminant: utf8(&arguments.colour.illuminant)?,
-        surroundings: scene.environment.as_ref().map(|around| around.placement).unwrap_or_default(),
+        surroundings: viewer::placement(&scene),
         exposure: scene.exposure,
         tone: scene.tone,
         base_color: scene.main_object().base_color,

@@ -23,6 +23,16 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
 }
 
+/// Returns polar angle and azimuth of a unit vector \[degrees\], as [`direction`] takes them, the azimuth from 0 to 360; that of the normal is 0.
+pub fn angles(direction: DVec3) -> (f64, f64) {
+    let across = direction.truncate().length();
+    let azimuth =
+        if across < 1e-12 { 0.0 } else { direction.y.atan2(direction.x).to_degrees().rem_euclid(360.0) };
+    // Rounding brings a direction just below +x to −0° or 360°.
+    let azimuth = if azimuth > 360.0 - 1e-9 { 0.0 } else { azimuth + 0.0 };
+    (across.atan2(direction.z).to_degrees(), azimuth)
+}
+
 /// Pair of a light and a view direction, both away from the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
@@ -65,6 +75,15 @@ impl Pair {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn angles_of_a_direction_are_those_that_made_it() {
+        for (theta, phi) in [(0.0, 0.0), (1e-4, 359.0), (30.0, 180.0), (75.0, 270.0), (89.0, 12.5)] {
+            let (found_theta, found_phi) = angles(direction(theta, phi));
+            assert!((found_theta - theta).abs() < 1e-9 && (found_phi - phi).abs() < 1e-7);
+        }
+        assert_eq!(angles(DVec3::new(0.5, -1e-17, 0.75f64.sqrt())).1, 0.0);
+    }
 
     #[test]
     fn directions_in_the_horizon_have_a_cosine_of_exactly_zero() {

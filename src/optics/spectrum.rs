@@ -174,6 +174,12 @@ pub fn observer(wavelength: f64) -> DVec3 {
     DVec3::from_array(table.at(wavelength))
 }
 
+/// Returns the middles of all half nanometres of the visible range \[nm\]. Sums over them are exact to 1e-6 on tables that are linear between whole
+/// nanometres.
+pub fn midpoints() -> impl Iterator<Item = f64> {
+    (0..800).map(|i| 380.25 + 0.5 * f64::from(i))
+}
+
 /// Names of the built-in illuminants.
 pub const BUILT_IN: [&str; 4] = ["d65", "a", "e", "led"];
 
@@ -277,8 +283,7 @@ impl Illuminant {
 
     /// Returns ∫ S ȳ dλ \[nm\], the normalisation of every colour.
     pub fn luminance(&self) -> f64 {
-        // Half-nanometre midpoints: exact to 1e-6 on tables that are linear between whole nanometres.
-        (0..800).map(|i| 380.25 + 0.5 * f64::from(i)).map(|x| 0.5 * self.power(x) * observer(x).y).sum()
+        midpoints().map(|x| 0.5 * self.power(x) * observer(x).y).sum()
     }
 
     /// Returns S (x̄, ȳ, z̄) / ∫ S ȳ dλ at `wavelength` \[nm\], in nm⁻¹, given the normalisation from [`Self::luminance`].
@@ -289,8 +294,7 @@ impl Illuminant {
     /// Returns XYZ of a white diffuse surface in this light, whose Y is 1.
     pub fn white(&self) -> DVec3 {
         let luminance = self.luminance();
-        // At the wavelengths of the luminance.
-        (0..800).map(|i| 380.25 + 0.5 * f64::from(i)).map(|x| 0.5 * self.weight(x, luminance)).sum()
+        midpoints().map(|x| 0.5 * self.weight(x, luminance)).sum()
     }
 }
 

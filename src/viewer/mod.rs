@@ -55,7 +55,7 @@ mod hand;
 pub(crate) use panel::rows::ALL as ROWS;
 #[cfg(test)]
 pub(crate) use settings::tests::settings as settings_of_a_plate;
-pub use settings::{OpticsSettings, ViewSettings};
+pub use settings::{OpticsSettings, ViewSettings, placement};
 pub use start::{CommandLine, LastView, Output, SceneFiles, Start};
 
 use crate::error::{Error, Remedy, Result};

@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 /// Page that answers the conformance directions of an export.
 const PAGE: &str = include_str!("export_wgsl.html");
 
+/// End of the shader, with FRAME for the tangent frame.
+const MAIN: &str = include_str!("../export_main.wgsl");
+
 /// Columns of the standard frame, and of one that is turned by a right angle about its normal.
 const STANDARD_FRAME: &str = "1, 0, 0, 0, 1, 0, 0, 0, 1";
 const TURNED_FRAME: &str = "0, 1, 0, -1, 0, 0, 0, 0, 1";
@@ -80,7 +83,7 @@ fn answer(sandbox: &Sandbox, frame: &str) {
     let questions: Vec<String> = text("conformance.csv").lines().skip(1).map(question).collect();
     let page = PAGE
         .replace("{{WGSL}}", &text("material.wgsl"))
-        .replace("{{FRAME}}", frame)
+        .replace("{{MAIN}}", &MAIN.replace("FRAME", &format!("mat3x3<f32>({frame})")))
         .replace("{{QUESTIONS}}", &questions.join(","))
         .replace("{{TABLE}}", &STANDARD.encode(file("table.ktx2")))
         .replace("{{FUNCTIONS}}", &STANDARD.encode(file("functions.ktx2")));

@@ -45,18 +45,7 @@ void main() {
 }
 ";
 
-const WGSL_MAIN: &str = "
-struct Question { light: vec4<f32>, viewer: vec4<f32>, footprint: vec4<f32> }
-@group(0) @binding(3) var<storage, read> questions: array<Question>;
-@group(0) @binding(4) var<storage, read_write> answers: array<vec4<f32>>;
-@compute @workgroup_size(64)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x < arrayLength(&questions) {
-        let q = questions[id.x];
-        answers[id.x] = vec4<f32>(diffract_rgb(q.light.xyz, q.viewer.xyz, FRAME, q.footprint.xy, q.footprint.zw), 1.0);
-    }
-}
-";
+const WGSL_MAIN: &str = include_str!("../export_main.wgsl");
 
 const HLSL_MAIN: &str = "
 struct Question { float4 light; float4 viewer; float4 footprint; };

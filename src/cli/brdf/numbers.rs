@@ -2,6 +2,7 @@
 
 use super::map::{HemisphereMap, views};
 use crate::error::{Error, Result};
+use crate::optics::geometry::angles;
 use crate::output;
 use crate::picture_file::PictureFormat;
 use crate::surface::files::npy;
@@ -55,8 +56,7 @@ fn csv(file: &mut impl Write, map: &HemisphereMap, is_spectral: bool) -> io::Res
     let values: &[&str] = if is_spectral { &["brdf"] } else { &["r", "g", "b"] };
     table.write_record(directions.iter().chain(values))?;
     for (place, view) in views(map.side, 0..map.side) {
-        let theta = view.truncate().length().atan2(view.z).to_degrees();
-        let phi = view.y.atan2(view.x).to_degrees().rem_euclid(360.0);
+        let (theta, phi) = angles(view);
         let direction = [view.x, view.y, theta, phi].map(|x| x.to_string());
         let numbers = map.pixels[place][..values.len()].iter().map(|x| format!("{x:e}"));
         table.write_record(direction.into_iter().chain(numbers))?;
