@@ -1,8 +1,8 @@
 //! Directions of a light at every pixel, exactly as shading computes them, for read-back. The shader is
 //! `directions.frag`.
 
-use super::covered;
-use super::shade::LightKind;
+use super::light_kind::{LightKind, LightPipelines};
+use super::{over_objects, stencil_of};
 use crate::error::Result;
 use crate::render::gbuffer::GBuffer;
 use crate::render::object::DeviceObject;
@@ -11,7 +11,7 @@ use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
-use crate::vk::pipeline::{Depth, Drawing, Pipeline, Stencil};
+use crate::vk::pipeline::Pipeline;
 use ash::vk;
 use std::sync::Arc;
 
@@ -25,8 +25,7 @@ pub struct LightDirections {
     pub footprints: Image,
     /// Radiance of the surroundings in the mirrored direction.
     pub mirrored: Image,
-    // One for each kind of light that was drawn.
-    pipelines: Vec<(LightKind, Pipeline)>,
+    pipelines: LightPipelines,
 }
 
 impl LightDirections {
@@ -44,7 +43,7 @@ impl LightDirections {
             light: image("directions of the light")?,
             footprints: image("footprints")?,
             mirrored: image("mirrored radiance")?,
-            pipelines: Vec::new(),
+            pipelines: LightPipelines::default(),
         })
     }
 
@@ -59,18 +58,13 @@ impl LightDirections {
         object: &DeviceObject,
         gbuffer: &GBuffer,
     ) -> Result<()> {
-        if self.pipelines.iter().any(|(own, _)| *own == kind) {
-            return Ok(());
-        }
-        let settings = gbuffer.settings;
-        let stencil = settings.several.then_some(Stencil::Match);
-        let depth = Some(Depth { stencil, ..covered(settings.depth_format()) });
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[FORMAT; 3], depth };
-        let (vertex, constants) = (shader!("display.vert"), kind.constants());
-        let fragment = Some(shader!("directions.frag").with(&constants));
-        let sets = [&object.frame.descriptors];
-        self.pipelines.push((kind, Pipeline::graphics(device, vertex, fragment, &drawing, &sets, 0)?));
-        Ok(())
+        self.pipelines.prepare(kind, || {
+            let constants = kind.constants();
+            let fragment = Some(shader!("directions.frag").with(&constants));
+            let drawing = over_objects(&[FORMAT; 3], gbuffer.settings);
+            let sets = [&object.frame.descriptors];
+            Pipeline::graphics(device, shader!("display.vert"), fragment, &drawing, &sets, 0)
+        })
     }
 
     /// Records the directions of a light of this `kind` at the pixels of `objects`, whose `Frame` blocks hold the light. The
@@ -82,7 +76,7 @@ impl LightDirections {
         gbuffer: &GBuffer,
         objects: &[DeviceObject],
     ) {
-        let Some((_, pipeline)) = self.pipelines.iter().find(|(own, _)| *own == kind) else { return };
+        let Some(pipeline) = self.pipelines.of(kind) else { return };
         let images = [&self.light, &self.footprints, &self.mirrored];
         let mut before = images.map(|image| (image, Access::Nothing, Access::ColorAttachment)).to_vec();
         before.push((&gbuffer.depth, Access::DepthAttachment, Access::DepthAttachment));
@@ -92,7 +86,7 @@ impl LightDirections {
             for (number, object) in objects.iter().enumerate() {
                 draw.bind(pipeline, &[&object.frame.descriptors]);
                 if gbuffer.settings.several {
-                    draw.stencil(super::stencil_of(number));
+                    draw.stencil(stencil_of(number));
                 }
                 draw.draw(3);
             }

@@ -6,11 +6,13 @@ pub mod background;
 pub mod display;
 pub mod geometry;
 pub mod light_directions;
+pub mod light_kind;
 pub mod probe;
 pub mod shade;
 pub mod shadow;
 
-use crate::vk::pipeline::Depth;
+use super::gbuffer::GBufferSettings;
+use crate::vk::pipeline::{Depth, Drawing, Stencil};
 use ash::vk;
 
 /// Returns the depth test of passes over the pixels that the G-buffer covers, in a depth of this `format`. Their
@@ -18,6 +20,14 @@ use ash::vk;
 /// Software devices do not skip these with a branch in the shader.
 pub(in crate::render) fn covered(format: vk::Format) -> Depth {
     Depth { format, compare: vk::CompareOp::GREATER, write: false, stencil: None }
+}
+
+/// Returns the state of a triangle that is drawn into images of these formats, over the pixels of an object in a G-buffer
+/// with these `settings`.
+fn over_objects(colors: &[vk::Format], settings: GBufferSettings) -> Drawing<'_> {
+    let stencil = settings.several.then_some(Stencil::Match);
+    let depth = Some(Depth { stencil, ..covered(settings.depth_format()) });
+    Drawing { vertex_stride: 0, attributes: &[], colors, depth }
 }
 
 /// Returns the stencil value of object `number`, from 0; stencil 0 marks uncovered pixels.

@@ -1,6 +1,7 @@
 //! Shading pass: the light of every covered pixel, from a source. Its shader is `shade.frag`.
 
-use super::{covered, stencil_of};
+use super::light_kind::{LightKind, LightPipelines};
+use super::{over_objects, stencil_of};
 use crate::error::Result;
 use crate::render::gbuffer::{GBuffer, GBufferSettings};
 use crate::render::object::DeviceObject;
@@ -12,36 +13,11 @@ use crate::vk::access::Access;
 use crate::vk::commands::Recorder;
 use crate::vk::descriptors::Descriptors;
 use crate::vk::device::Device;
-use crate::vk::pipeline::{Constant, Depth, Drawing, Pipeline, Stencil};
+use crate::vk::pipeline::Pipeline;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Light that a stage is compiled for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LightKind {
-    /// True for the surroundings, if their specular order is reflected separately.
-    pub mirrored: bool,
-    /// True for a lamp.
-    pub lamp: bool,
-    /// True if the light casts shadows.
-    pub shadows: bool,
-}
-
-impl LightKind {
-    /// Returns the constants of `light.glsl`.
-    pub fn constants(self) -> [Constant; 3] {
-        const MIRRORED: u32 = 3;
-        const LAMP: u32 = 4;
-        const SHADOWS: u32 = 5;
-        [
-            Constant::new(MIRRORED, self.mirrored),
-            Constant::new(LAMP, self.lamp),
-            Constant::new(SHADOWS, self.shadows),
-        ]
-    }
-}
 
 /// Pass that shades every covered pixel of a picture once. One triangle covers the picture, because the small triangles
 /// of a mesh would leave most lanes of a device idle.
@@ -49,8 +25,7 @@ impl LightKind {
 /// Adds to the picture: parts of a sum, lights and samples are drawn one after the other.
 #[derive(Default)]
 pub struct ShadePass {
-    // One for each kind of light that was drawn.
-    pipelines: Vec<(LightKind, Pipeline)>,
+    pipelines: LightPipelines,
 }
 
 impl ShadePass {
@@ -67,21 +42,13 @@ impl ShadePass {
         source: &BoundSource,
         settings: GBufferSettings,
     ) -> Result<()> {
-        if self.pipeline(kind).is_some() {
-            return Ok(());
-        }
-        let stencil = settings.several.then_some(Stencil::Match);
-        let depth = Some(Depth { stencil, ..covered(settings.depth_format()) });
-        let constants = [source.shade_constants().as_slice(), &kind.constants()].concat();
-        let (vertex, code) = (shader!("display.vert"), source.shade().with(&constants));
-        let (sets, push_bytes) = ([frame, &source.descriptors], size_of::<ShadeBlock>() as u32);
-        let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth };
-        self.pipelines.push((kind, Pipeline::adding(device, vertex, code, &drawing, &sets, push_bytes)?));
-        Ok(())
-    }
-
-    fn pipeline(&self, kind: LightKind) -> Option<&Pipeline> {
-        self.pipelines.iter().find(|(own, _)| *own == kind).map(|(_, pipeline)| pipeline)
+        self.pipelines.prepare(kind, || {
+            let constants = [source.shade_constants().as_slice(), &kind.constants()].concat();
+            let (vertex, code) = (shader!("display.vert"), source.shade().with(&constants));
+            let (sets, push_bytes) = ([frame, &source.descriptors], size_of::<ShadeBlock>() as u32);
+            let drawing = over_objects(&[target::RADIANCE], settings);
+            Pipeline::adding(device, vertex, code, &drawing, &sets, push_bytes)
+        })
     }
 }
 
@@ -108,7 +75,7 @@ impl ShadedObject<'_> {
     /// Adds these `parts` of the sum to the pixels of the object; `several`: only to its pixels among those of others.
     fn draw(&self, draw: &Recorder<'_>, several: bool, parts: &Range<u32>) {
         let Self { number, object, source, kind, white, counts, .. } = *self;
-        let Some(pipeline) = self.pass.pipeline(kind) else { return };
+        let Some(pipeline) = self.pass.pipelines.of(kind) else { return };
         let all = source.parts(kind.mirrored);
         for part in Part::each(all).filter(|part| parts.contains(&part.first)) {
             draw.bind(pipeline, &[&object.frame.descriptors, &source.descriptors]);
