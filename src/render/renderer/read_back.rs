@@ -92,7 +92,7 @@ impl Renderer {
             if *covered { unprojected([*x, *y]) } else { [0.0; 4] }
         };
         let facing = self.read(&self.gbuffer.facing, part)?;
-        let mirrored = if self.kind(view, pass).mirrored {
+        let mirrored = if self.shadings.run_of(view, pass.light).mirrored {
             let read = kept(self.read(&of_light.mirrored, part)?);
             read.into_iter().map(|[red, green, blue, _]| [red, green, blue]).collect()
         } else {
@@ -128,12 +128,12 @@ impl Renderer {
     /// Draws the directions of a `pass` of `view`, and the G-buffer unless it is up to date.
     fn draw_directions(&mut self, view: &View, pass: &LightPass) -> Result<()> {
         self.write(view, self.target.size(), pass)?;
-        let kind = self.kind(view, pass);
+        let run = self.shadings.run_of(view, pass.light);
         let of_light = match &mut self.light_directions {
             Some(there) => there,
             none => none.insert(LightDirections::new(&self.device, self.gbuffer.size())?),
         };
-        of_light.prepare(&self.device, kind, &self.objects[0], &self.gbuffer)?;
+        of_light.prepare(&self.device, run, &self.objects[0], &self.gbuffer)?;
         let is_stale = !self.gbuffer_is_current();
         if is_stale {
             // The new surfaces may cover other pixels than the existing radiance.
@@ -150,7 +150,7 @@ impl Renderer {
             if is_stale {
                 self.geometry_pass.record(record, &self.gbuffer, &self.objects);
             }
-            of_light.record(record, kind, &self.gbuffer, &self.objects);
+            of_light.record(record, run, &self.gbuffer, &self.objects);
             Ok(())
         })?;
         self.image_input = self.block_input.clone();

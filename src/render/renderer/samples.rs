@@ -97,15 +97,16 @@ impl Renderer {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
             self.bind_background();
         }
+        let passes = self.shadings.bounded(group.passes.clone());
         if let Some(accumulation) = &mut self.accumulation {
-            accumulation.make_room(&self.device, group.passes.len())?;
+            accumulation.make_room(&self.device, passes.len())?;
         }
         let before = self.samples_of(view, sampling, size);
         if before == 0 {
             // The sum is invalid until its first group is added.
             self.invalidate();
         }
-        let drawn = DrawRequest { view, size, passes: &group.passes };
+        let drawn = DrawRequest { view, size, passes: &passes };
         let finish = FinalStep::Add { before, samples: group.samples, shown };
         if self.draw_tiles(drawn, finish, go_on)?.is_none() {
             return Ok(None);
