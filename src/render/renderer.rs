@@ -3,7 +3,7 @@
 use super::evaluator::{Query, QueryPass};
 use super::frame::{Shown, View};
 use super::gbuffer::{GBuffer, GBufferSettings};
-use super::light_passes::{LightPass, all_lights};
+use super::light_passes::LightPass;
 use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
 use super::passes::accumulate::{Accumulation, Addition};
 use super::passes::background::BackgroundPass;
@@ -13,7 +13,6 @@ use super::passes::light_directions::LightDirections;
 use super::passes::probe::{Probe, ProbePass};
 use super::passes::shade;
 use super::passes::shadow::ShadowPass;
-use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
 use super::source::Source;
 use super::target::{self, Target};
@@ -28,14 +27,15 @@ use std::sync::Arc;
 mod display;
 mod in_flight;
 mod read_back;
-pub mod samples;
+mod samples;
 mod shadings;
 mod tiles;
 pub mod timing;
 
 use display::Display;
 use in_flight::{Finished, InFlight};
-use read_back::PictureArea;
+pub use samples::{PictureRequest, Progress};
+
 use shadings::Shadings;
 use tiles::{Piece, Tiles};
 use timing::DrawTimes;
@@ -259,64 +259,22 @@ impl Renderer {
         self.image_input = None;
     }
 
-    /// Shades the first object from `source` by `shading` from now on, as [`Self::shade_objects_by`].
+    /// Sets the source of the first object and its shading, as [`Self::set_sources`].
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
-        self.shade_objects_by([&ObjectSources::new(source.clone(), shading.clone())])
+    pub fn set_source(&mut self, source: &Source, shading: &Shading) -> Result<()> {
+        self.set_sources([&ObjectSources::new(source.clone(), shading.clone())])
     }
 
-    /// Shades the objects from `sources` from now on. Their large data must be uploaded already; only the parts that
+    /// Sets the sources of the objects. Their large data must be uploaded already; only the parts that
     /// depend on the index, the illuminant or the number of copies are uploaded.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn shade_objects_by<'a>(
-        &mut self,
-        sources: impl IntoIterator<Item = &'a ObjectSources>,
-    ) -> Result<()> {
+    pub fn set_sources<'a>(&mut self, sources: impl IntoIterator<Item = &'a ObjectSources>) -> Result<()> {
         self.invalidate();
         self.shadings.rebind(&self.device, sources.into_iter().flat_map(ObjectSources::all))
-    }
-
-    /// Draws one sample of `view` at the pixel centres, displays it without tone mapping and leaves the result on the
-    /// device.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<()> {
-        self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
-    }
-
-    /// Draws a single `sample` of `view` under all lights and displays it with the settings `shown`.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
-        let passes = self.shadings.bounded(all_lights(view.light_count(), *sample));
-        let drawn = DrawRequest { view, size: self.target.size(), passes: &passes };
-        self.draw_whole(drawn, FinalStep::Display(shown))
-    }
-
-    /// Draws one sample of `view` with `size` pixels, at most those of the target, in pieces of about ten milliseconds
-    /// each, between which other work gets the device. Calls `go_on` before each piece with the fraction of the picture
-    /// that is drawn; if it returns false, the picture is abandoned and the former display stays. Returns the
-    /// milliseconds that the device took, or `None` for an abandoned picture.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn draw_while(
-        &mut self,
-        view: &View,
-        shown: Shown,
-        size: [u32; 2],
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<f64>> {
-        let passes = self.shadings.bounded(all_lights(view.light_count(), Sampling::ONE.sample(0)));
-        let drawn = DrawRequest { view, size, passes: &passes };
-        let times = self.draw_tiles(drawn, FinalStep::Display(shown), go_on)?;
-        Ok(times.map(|times| times.total()))
     }
 
     /// Draws `drawn` pass by pass, each in a single submission.
@@ -330,7 +288,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] describes. Returns the device time.
+    /// Draws `drawn` pass by pass in pieces, as [`Self::draw`] describes. Returns the device time.
     fn draw_tiles(
         &mut self,
         drawn: DrawRequest<'_>,
@@ -362,11 +320,11 @@ impl Renderer {
         Ok(Some(total))
     }
 
-    /// Displays the last picture again with other settings; returns false if there is no complete picture.
+    /// Displays the last picture with other settings; returns false if there is no complete picture.
     ///
     /// # Errors
     /// Fails if the device is lost.
-    pub fn display_again(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
+    pub fn display(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
         self.write_shown()?;
         let target = &self.target;
         let frame = &self.objects[0].frame.descriptors;
@@ -531,49 +489,6 @@ impl Renderer {
             best = best.min(self.timestamps.intervals()?[0]);
         }
         Ok(best)
-    }
-
-    /// Draws one sample of `view` at the pixel centres, displays it without tone mapping and reads the picture back.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn paint(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<Picture> {
-        self.draw(view, exposure, background)?;
-        self.picture()
-    }
-
-    /// Reads back the last picture at the size of the target. An abandoned picture has no radiance and the former
-    /// display.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn picture(&self) -> Result<Picture> {
-        let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
-        let radiance = match sum.filter(|_| self.shows == Content::Mean) {
-            Some((accumulation, summed)) => {
-                let mut sum = self.read(&accumulation.sum, PictureArea::All)?;
-                let samples = summed.samples as f32;
-                sum.iter_mut().flatten().for_each(|x| *x /= samples);
-                sum
-            }
-            None if self.shows == Content::PictureArea => {
-                let [width, height] = self.target.size();
-                vec![[0.0; 4]; width as usize * height as usize]
-            }
-            None => self.read(&self.target.radiance, PictureArea::All)?,
-        };
-        let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
-        let view = match self.shows {
-            Content::Sample => self.image_input.as_ref().map(|found| &found.view),
-            Content::Mean => self.summed.as_ref().map(|summed| &summed.view),
-            Content::Nothing | Content::PictureArea => None,
-        };
-        Ok(Picture {
-            size: self.target.size(),
-            radiance,
-            display: bytemuck::pod_collect_to_vec(&display),
-            surrounded: view.is_some_and(|view| view.background().is_some()),
-        })
     }
 
     /// Writes the `Frame` block of `view` for a `pass` in pictures of `size` pixels.

@@ -7,9 +7,9 @@ const LONGEST: f64 = 15.0;
 /// Sides of a tile are multiples of this, so that no 2 × 2 quad is split. A pixel may take milliseconds on a software
 /// device.
 const STEP: u32 = 4;
-/// Decay of the weight of former tiles, per tile: some fifty tiles of background, as between two rows of a mesh, matter
+/// Decay of the weight of former tiles, per tile: some hundred tiles of background, as between two rows of a mesh, matter
 /// little, and an outlier is soon forgotten.
-const FADING: f64 = 0.99;
+const FADING: f64 = 0.995;
 /// Least time of a loop iteration on a software device \[ms\]: a fraction of the usual time, because few pixels reach
 /// the maximum of iterations.
 const AN_ITERATION: f64 = 1e-6;
@@ -209,7 +209,7 @@ mod tests {
         let again = draw(size, Some(average), cost);
         let longest = again.iter().map(|t| t.1).fold(0.0, f64::max);
         assert!(longest <= 2.0 * LONGEST, "{longest} ms");
-        assert!(again.len() < 400, "{} tiles", again.len());
+        assert!(again.len() < 800, "{} tiles", again.len());
     }
 
     #[test]
@@ -217,8 +217,9 @@ mod tests {
         // A pixel of the mesh takes 2 ms, so that only a tile of the smallest size fits.
         let cost = |x: u32, y: u32| if (300..600).contains(&x) && y > 40 { 2.0 } else { 1e-4 };
         let drawn = draw([1024, 160], None, cost);
+        // The piece after the first one of the mesh is submitted before the time of that one is known.
         let long = drawn.iter().filter(|tile| tile.1 > 3.0 * LONGEST).count();
-        assert!(long <= 2, "{long} of {} tiles take longer than {} ms", drawn.len(), 3.0 * LONGEST);
+        assert!(long <= 4, "{long} of {} tiles take longer than {} ms", drawn.len(), 3.0 * LONGEST);
         let of_mesh = 300 * 119 / (STEP * STEP) as usize;
         assert!(drawn.len() < 3 * of_mesh, "{} tiles, {of_mesh} of the mesh", drawn.len());
         // If pixels may be expensive, no tile of background grows much.
@@ -229,6 +230,7 @@ mod tests {
             tiles.took(pixels as f64, 1e-4 * pixels as f64);
         }
     }
+
     #[test]
     fn tiles_that_may_take_long_are_drawn_in_parts_of_their_sums() {
         /// Parts of the sum.
