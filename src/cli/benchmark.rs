@@ -22,11 +22,11 @@ use crate::render::rays::{RayObject, RayScene, RaySettings};
 use crate::render::reference_picture::{PixelReference, covered, displayed};
 use crate::render::renderer::{Picture, Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
-use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
 use crate::render::source::{Source, SourceSummary};
 use crate::scene::{Light, Scene};
-use crate::setup::{self, InUse, Method, Settings};
+use crate::settings::{Method, Shading};
+use crate::setup::{self, InUse, SourceSettings};
 use crate::surface::HeightField;
 use crate::units;
 use crate::vk::device::Device;
@@ -205,8 +205,7 @@ impl BenchmarkScene {
     pub fn prepare(&self, options: &BenchmarkOptions) -> Result<Benchmark> {
         check_method(options)?;
         let shading = self.shading(options)?;
-        let method = options.optics.picture_method();
-        let mut settings = Settings::new(method, shading.clone());
+        let mut settings = SourceSettings::new(shading.clone());
         if setup::averages_footprints(&settings) {
             let views = std::slice::from_ref(&self.view);
             settings.footprints = footprints::sizes(

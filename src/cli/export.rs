@@ -15,7 +15,7 @@ use crate::export::{
 use crate::files::Files;
 use crate::input;
 use crate::optics::spectrum::SHORTEST;
-use crate::setup::{self, Method, Settings};
+use crate::settings::{Method, Shading};
 use crate::units;
 use clap::Args;
 use std::ffi::OsString;
@@ -91,8 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
     let field = source.prepare(arguments.surface.read(&source)?.into_field()?)?;
-    let shading = arguments.optics.shading(&arguments.colour, &field)?;
-    setup::check(&Settings::new(Method::Table, shading.clone()))?;
+    let shading = arguments.optics.for_directions(&arguments.colour, &field)?;
+    let shading = Shading { method: Method::Table, ..shading }.checked()?;
     let settings = ExportSettings { most_bytes, ..export_settings(&shading, arguments.footprint)? };
     prepare::warn_of_coarse_samples(&field, SHORTEST);
     let bar = prepare::progress_bar("orders");

@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Remedy, Result};
 use crate::export::{ExportReader, ExportSettings, MaterialDescription};
-use crate::render::shading::Shading;
 use crate::render::source::{Source, Table};
-use crate::setup::{self, Method, Settings};
+use crate::settings::{Method, Shading};
+use crate::setup::SourceSettings;
 use crate::surface::HeightField;
 use crate::table::ColorTable;
 use std::path::{Path, PathBuf};
@@ -52,9 +52,9 @@ impl ExportedTable {
     ///
     /// # Errors
     /// Fails for settings that are not those of the export.
-    pub fn source(&self, field: &HeightField, settings: &Settings) -> Result<Source> {
-        setup::check(settings)?;
-        if settings.method != Method::Table {
+    pub fn source(&self, field: &HeightField, settings: &SourceSettings) -> Result<Source> {
+        settings.shading.check()?;
+        if settings.shading.method != Method::Table {
             return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
         }
         let asked = export_settings(&settings.shading, settings.footprints.shorter)?;

@@ -19,10 +19,9 @@ use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
-use crate::render::shading::Shading;
 use crate::scene::Scene;
+use crate::settings::{Method, Shading};
 use crate::setup;
-use crate::setup::Method;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::HeightField;
 use crate::units;
@@ -103,8 +102,7 @@ impl OpticsOptions {
 
     /// Returns the method for pictures: a colour table for the mean over all windows, unless the user names another.
     pub fn picture_method(&self) -> Method {
-        let unless_named = if self.windows() == Windows::All { Method::Table } else { Method::Spectral };
-        self.method.unwrap_or(unless_named)
+        self.method.unwrap_or(Method::of_pictures(self.windows()))
     }
 
     /// Returns the positions of the window.
@@ -116,20 +114,17 @@ impl OpticsOptions {
         self.windows.unwrap_or(unless_named)
     }
 
-    /// Checks that the options go together.
+    /// Fails for options that have no effect beside the others.
     ///
     /// # Errors
-    /// Options that do not, with the remedy.
-    pub fn check(&self) -> Result<()> {
+    /// Such an option, with the remedy.
+    fn check(&self) -> Result<()> {
         self.surface_reflectance.check()?;
         let all = self.windows() == Windows::All;
-        let of_one_window = [("--basis", self.basis.is_some()), ("--terms", self.terms.is_some())];
-        if let Some((name, _)) = of_one_window.iter().find(|(_, named)| *named && all) {
+        if self.basis.is_some() && all {
             return Err(Error::usage(
-                format!(
-                    "{name} is about the expansion for one window, and the mean over all windows has none"
-                ),
-                format!("add --windows 1x1, or leave {name} away"),
+                "--basis is about the expansion for one window, and the mean over all windows has none",
+                "add --windows 1x1, or leave --basis away",
             ));
         }
         if self.beyond.is_some() && !all {
@@ -162,25 +157,32 @@ impl OpticsOptions {
     }
 
     /// Returns the settings for single wavelengths of single directions of `field`.
-    pub fn monochrome(&self, field: &HeightField) -> Shading {
-        let shading = self.with_basis(Basis::Taylor);
-        let beyond = self.beyond.unwrap_or_else(|| setup::beyond_of(field));
-        match self.basis {
-            Some(_) => Shading { beyond, ..shading },
-            None => Shading { basis: shading.suited_basis(field), beyond, ..shading },
-        }
+    ///
+    /// # Errors
+    /// Options that do not go together, with the remedy.
+    pub fn for_wavelengths(&self, field: &HeightField) -> Result<Shading> {
+        self.check()?;
+        let mut shading = self.beyond_of(field, self.with_basis(Basis::Taylor));
+        shading.basis = self.basis.unwrap_or_else(|| shading.suited_basis(field));
+        shading.checked()
     }
 
     /// Returns the settings for colours of single directions of `field`.
-    pub fn shading(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
-        self.check()?;
-        colour.of(self.monochrome(field))
+    ///
+    /// # Errors
+    /// Options that do not go together, with the remedy; a spectrum that cannot be read.
+    pub fn for_directions(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
+        colour.of(self.for_wavelengths(field)?)?.checked()
     }
 
     /// Returns the settings for pictures.
+    ///
+    /// # Errors
+    /// Options that do not go together, with the remedy; a spectrum that cannot be read.
     pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Shading> {
         self.check()?;
-        Ok(colour.of(self.with_basis(self.basis_of_pictures()))?.for_pictures())
+        let shading = self.with_basis(self.basis_of_pictures()).for_pictures();
+        colour.of(Shading { method: self.picture_method(), ..shading })?.checked()
     }
 
     /// Returns `shading` with the continuation beyond the patch that the user names, or that suits `field`.
@@ -195,6 +197,7 @@ impl OpticsOptions {
 
     fn with_basis(&self, unless_named: Basis) -> Shading {
         Shading {
+            method: self.method(),
             coherence: self.coherence,
             windows: self.windows(),
             beyond: self.beyond.unwrap_or_default(),

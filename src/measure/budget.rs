@@ -1,8 +1,8 @@
 //! Error budget of a setting, with the errors measured on the surface.
 
 use crate::budget::{ErrorBudget, Share};
-use crate::render::shading::Shading;
 use crate::render::source::{Grating, Source, Table, Window};
+use crate::settings::Shading;
 use crate::spectra::amplitude::Layers;
 use crate::table::TableHeader;
 use serde::Serialize;

@@ -1,13 +1,13 @@
 //! A source on the device as a [`Brdf`].
 
 use super::evaluator::{AT_ONCE, Evaluator, Query};
-use super::shading::Shading;
 use super::source::Source;
 use crate::brdf::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
+use crate::settings::Shading;
 use crate::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;

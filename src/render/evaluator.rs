@@ -1,10 +1,10 @@
 //! Evaluation of single directions by the source that frames are shaded from.
 
-use super::shading::Shading;
 use super::source::part::Part;
 use super::source::{BoundSource, Source};
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
+use crate::settings::Shading;
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;

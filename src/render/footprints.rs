@@ -8,12 +8,12 @@ use super::object::{ObjectData, ObjectSources};
 use super::pigment::Pigment;
 use super::renderer::{Renderer, RendererSettings};
 use super::sampling::Sampling;
-use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
 use crate::filter::FootprintSizes;
 use crate::scene::Mesh;
 use crate::scene::camera::pixel_in_clip;
+use crate::settings::Shading;
 use crate::vk::device::Device;
 use std::sync::Arc;
 

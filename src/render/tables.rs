@@ -1,9 +1,9 @@
 //! Small tables that the shaders read in addition to the layers, computed in f64.
 
-use super::shading::Shading;
 use crate::optics::orders::ColourFunctions;
 use crate::optics::quadrature::{WavelengthSets, Wavelengths};
 use crate::optics::spectrum::Illuminant;
+use crate::settings::Shading;
 use crate::spectra::amplitude::Layers;
 
 /// Bins of |(u, v)| over 0 … 2 for the choice of wavelengths; `UV_BINS` of `shaders/source_window.glsl`.

@@ -202,7 +202,7 @@ impl Scene {
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
-        let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file());
+        let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file().map(PathBuf::from));
         let (objects, standing_bounds) = objects(file.main_object(), file.objects, ground, folder, progress)?;
         Ok(Self {
             files: objects.iter().flat_map(Object::files).chain(environment_file).chain(spectra).collect(),

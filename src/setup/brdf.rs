@@ -1,13 +1,13 @@
 //! BRDF of a height field by the chosen method.
 
-use super::{InUse, Method, Progress, Settings, check, source};
+use super::{InUse, Progress, SourceSettings, source};
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::{Brdf, DirectSum, MeanFromOrders, MeanReference};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
 use crate::optics::reference::Reference;
 use crate::render::device_brdf::DeviceBrdf;
-use crate::render::shading::Shading;
+use crate::settings::{Method, Shading};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use std::sync::Arc;
@@ -23,20 +23,20 @@ const CACHED_WINDOWS: u32 = 16;
 /// Same as [`source`], or the error of `ask`.
 pub fn for_each_window(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     device: &dyn Fn() -> Result<Arc<Device>>,
     progress: &Progress<'_>,
     note: &dyn Fn(&Error),
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     let shading = &settings.shading;
-    check(settings)?;
+    shading.check()?;
     let illuminant = &shading.illuminant;
     let mean = || -> Result<MeanBrdf<'_>> {
         let sigma = settings.power_sigma()?;
         Ok(MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() })
     };
-    match (settings.method, shading.windows) {
+    match (shading.method, shading.windows) {
         (Method::Reference, Windows::All) => {
             return ask(&mut MeanReference::new(mean()?, illuminant, settings.shortest), 1.0);
         }
@@ -60,7 +60,7 @@ pub fn for_each_window(
     for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
         let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
         let cached = n * m <= CACHED_WINDOWS;
-        let settings = Settings { shading: one.clone(), shift, cached, ..settings.clone() };
+        let settings = SourceSettings { shading: one.clone(), shift, cached, ..settings.clone() };
         let made = source(field, &settings, device.candidate(), &mut InUse::default(), progress)?;
         if let Some(error) = &made.note {
             note(error);

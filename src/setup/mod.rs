@@ -13,44 +13,18 @@ use crate::filter::FootprintSizes;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::{MIDDLE, SHORTEST};
-use crate::render::shading::Shading;
 use crate::render::source::{Grating, Source, Table};
-use crate::spectra::amplitude::{self, Layers, compute_at};
+use crate::settings::{Method, Shading};
+use crate::spectra::amplitude::{self, LayerSettings, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, tiling};
 use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
 
-/// Method of computing the optics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Sum over wavelengths: of one window or a finite grating on the device, of the mean for single directions on the
-    /// CPU.
-    #[default]
-    Spectral,
-    /// Colour table of the mean, read on the device.
-    Table,
-    /// F64 reference, on the CPU.
-    Reference,
-}
-
-impl Method {
-    /// Returns the name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Spectral => "spectral",
-            Self::Table => "table",
-            Self::Reference => "reference",
-        }
-    }
-}
-
 /// Settings that determine a source, in addition to the height field.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Method.
-    pub method: Method,
+pub struct SourceSettings {
     /// Settings of the optics.
     pub shading: Shading,
     /// Shortest wavelength that is evaluated \[µm\].
@@ -63,11 +37,10 @@ pub struct Settings {
     pub footprints: FootprintSizes,
 }
 
-impl Settings {
+impl SourceSettings {
     /// Returns settings for colours, with the window at the centre of the patch.
-    pub fn new(method: Method, shading: Shading) -> Self {
+    pub fn new(shading: Shading) -> Self {
         Self {
-            method,
             shading,
             shortest: SHORTEST,
             shift: [0.0; 2],
@@ -88,8 +61,6 @@ pub struct Made {
     /// Note for the user.
     pub note: Option<Error>,
 }
-
-pub use crate::table::LEAST_TOLERANCE as LEAST_TABLE_TOLERANCE;
 
 /// Data in use elsewhere, for requests that share it, and the series of the last table.
 #[derive(Default)]
@@ -148,14 +119,14 @@ type Known<T> = Vec<(Key, Weak<T>)>;
 /// with the error of `progress`.
 pub fn source(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<Made> {
     let shading = &settings.shading;
-    check(settings)?;
-    match (settings.method, shading.coherence) {
+    shading.check()?;
+    match (shading.method, shading.coherence) {
         (Method::Reference, _) => Err(Error::usage(
             "the f64 reference has no device to shade on",
             [Remedy::SpectralMethod, Remedy::TableMethod],
@@ -169,11 +140,10 @@ pub fn source(
             Ok(Made { source: Source::window(layers), note })
         }
         (Method::Spectral, Coherence::Repeats(copies)) => {
-            shading.check_wavelengths()?;
             let repeats = Repeats { copies, period: field.patch_size() };
             // Shifting a grating is equivalent to shifting the surface.
             let begun = field.begun_at(settings.shift);
-            let settings = Settings { shift: [0.0; 2], ..settings.clone() };
+            let settings = SourceSettings { shift: [0.0; 2], ..settings.clone() };
             let (layers, note) = layers(&begun, &settings, f64::INFINITY, limits, in_use, progress)?;
             Ok(Made { source: Source::Grating(Grating { layers, repeats }), note })
         }
@@ -184,13 +154,13 @@ pub fn source(
 /// infinite.
 fn layers(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     sigma: f64,
     limits: &Candidate,
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<(Arc<Layers>, Option<Error>)> {
-    let own = settings.shading.windowed_settings(sigma, settings.shortest, limits)?;
+    let own = layer_settings(&settings.shading, sigma, settings.shortest, limits)?;
     let key = amplitude::cache::key(field, &own, settings.shift)?;
     let wanted = Wanted {
         key,
@@ -206,7 +176,7 @@ fn layers(
 /// Returns the colour table of the mean.
 fn table(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
     progress: &Progress<'_>,
@@ -282,56 +252,46 @@ pub fn beyond_of(field: &HeightField) -> Beyond {
 }
 
 /// Returns true if the source of `settings` averages over the footprints of pixels.
-pub fn averages_footprints(settings: &Settings) -> bool {
-    settings.method == Method::Table
+pub fn averages_footprints(settings: &SourceSettings) -> bool {
+    settings.shading.method == Method::Table
 }
 
-/// Checks that the combination of settings is supported.
+/// Returns the memory for a source on a device with these `limits`; pictures and the rest share the remainder.
+fn memory_limit(limits: &Candidate) -> usize {
+    /// Fraction of the device's memory.
+    const DEVICE_SHARE: f64 = 0.75;
+    (limits.memory as f64 * DEVICE_SHARE) as usize
+}
+
+/// Returns the settings of layers for wavelengths from `shortest` \[µm\] on a device with these `limits`, for a Gaussian
+/// window of standard deviation `sigma` \[µm\], or for one period if `sigma` is infinite.
 ///
 /// # Errors
-/// Fails with a remedy.
-pub fn check(settings: &Settings) -> Result<()> {
-    let shading = &settings.shading;
-    let gaussian = shading.coherence.sigma().is_some();
-    match (settings.method, shading.windows) {
-        (_, Windows::All) if !gaussian => Err(Error::usage(
-            "a finite grating stands at one place, and a mean over all windows is of Gaussian coherence",
-            [Remedy::OneWindow, Remedy::GaussianCoherence],
-        )),
-        (Method::Spectral, Windows::All) if shading.purpose == Purpose::Picture => Err(Error::usage(
-            "pictures of the mean over all windows are read from a colour table",
-            [Remedy::TableMethod, Remedy::OneWindow],
-        )),
-        (Method::Table, Windows::Grid(_)) => Err(Error::usage(
-            "a colour table holds the mean over all windows",
-            [Remedy::AllWindows, Remedy::SpectralMethod],
-        )),
-        (Method::Table, Windows::All) if shading.tolerance < LEAST_TABLE_TOLERANCE => Err(Error::usage(
-            format!(
-                "colours of a table err by about 1e-3 whatever the tolerance; the least that it keeps is {:e}",
-                LEAST_TABLE_TOLERANCE
-            ),
-            match shading.purpose {
-                Purpose::Directions => [Remedy::LargerTolerance, Remedy::SpectralMethod],
-                Purpose::Picture => [Remedy::LargerTolerance, Remedy::OneWindow],
-            },
-        )),
-        (_, Windows::All) if shading.terms.is_some() => Err(Error::usage(
-            "the number of terms is that of the expansion for one window",
-            [Remedy::OneWindow, Remedy::AutomaticTerms],
-        )),
-        _ => Ok(()),
+/// Fails if more than one window is to be averaged over.
+pub fn layer_settings(
+    shading: &Shading,
+    sigma: f64,
+    shortest: f64,
+    limits: &Candidate,
+) -> Result<LayerSettings> {
+    if shading.windows != Windows::ONE {
+        return Err(Error::usage(
+            "spectra through a window are of one window",
+            [Remedy::AllWindows, Remedy::OneWindow, Remedy::ReferenceMethod],
+        ));
     }
+    Ok(LayerSettings {
+        sigma,
+        shortest_wavelength: shortest,
+        budget: shading.budget().window,
+        basis: shading.basis,
+        terms: shading.terms,
+        memory_limit: memory_limit(limits),
+        side_limit: limits.max_side as usize,
+    })
 }
 
-impl Settings {
-    /// Fraction of the device's memory for a source; pictures and the rest share the remainder.
-    const DEVICE_SHARE: f64 = 0.75;
-
-    fn memory_limit(limits: &Candidate) -> usize {
-        (limits.memory as f64 * Self::DEVICE_SHARE) as usize
-    }
-
+impl SourceSettings {
     /// Returns the standard deviation of the coherence window of the mean \[µm\].
     fn power_sigma(&self) -> Result<f64> {
         self.shading.coherence.sigma().ok_or_else(|| {
@@ -384,7 +344,7 @@ impl Settings {
             budget: self.budget().mean,
             finest: self.finest(),
             side_limit: limits.max_side as usize,
-            memory_limit: Self::memory_limit(limits),
+            memory_limit: memory_limit(limits),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::frame::LoadedScene;
 use super::inset::Inset;
 use super::model::Model;
-use super::settings::tests::settings;
+use super::view_settings::tests::settings;
 use super::{hemisphere, layout, style, text_dump};
 use egui::{Context, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, RawInput, Rect, Vec2, vec2};
 use std::collections::HashSet;

@@ -85,7 +85,7 @@ mod tests {
                 settings.surface.name = "scan.png".into();
             }
             _ => {
-                settings.coherence = Coherence::Repeats([3, 3]);
+                settings.optics.coherence = Coherence::Repeats([3, 3]);
                 settings.surface =
                     crate::surface::SurfaceSource::built_in(crate::surface::synth::SurfaceKind::Elaphe);
             }
@@ -373,7 +373,7 @@ mod tests {
         hand.key_held(Key::A, Modifiers::COMMAND);
         hand.write("0.04mm");
         hand.key(Key::Enter);
-        assert_eq!(hand.model.settings.coherence, Coherence::Gaussian { length: 40.0 });
+        assert_eq!(hand.model.settings.optics.coherence, Coherence::Gaussian { length: 40.0 });
     }
 
     #[test]

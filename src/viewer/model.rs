@@ -12,13 +12,14 @@ use super::inset::InsetRequest;
 use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
-use super::settings::{Needs, OpticsSettings, ViewSettings};
 use super::surface_pane::SurfacePane;
+use super::view_settings::{Needs, ViewSettings};
 use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
 use crate::scene::environment::Environment;
 use crate::scene::{Camera, FarLight};
+use crate::settings::Shading;
 use crate::surface::SurfaceSource;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -99,7 +100,7 @@ pub struct Comparison {
     /// Side that is shown alone, without a split.
     pub whole: Option<Side>,
     /// Other setting.
-    pub optics: OpticsSettings,
+    pub optics: Shading,
     /// Other surface; `None` for the same surface.
     pub surface: Option<SurfaceSource>,
     /// Other setting, ready to be drawn.
@@ -632,7 +633,7 @@ fn environment_note(loaded: &LoadedScene) -> Option<String> {
 mod tests {
     use super::*;
     use crate::scene::Scene;
-    use crate::viewer::settings::tests::settings;
+    use crate::viewer::view_settings::tests::settings;
 
     fn model() -> Model {
         let (settings, scene) = settings();
@@ -657,7 +658,7 @@ mod tests {
         assert_eq!((&now.surface, now.exposure, now.base_color), (&set.surface, 1.5, set.base_color));
         let scene = &model.loaded.scene;
         assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.tone, scene.camera));
-        assert_eq!(now.reflectance, scene.main_object().reflectance.clone().unwrap());
+        assert_eq!(now.optics.reflectance, scene.main_object().reflectance.clone().unwrap());
         // All settings come from the scenes.
         show(&mut model, "plate");
         model.return_to_start();

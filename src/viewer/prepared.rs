@@ -3,8 +3,8 @@
 use crate::error::Result;
 use crate::optics::validity::ScalarTheory;
 use crate::render::object::ObjectSources;
-use crate::render::shading::Shading;
 use crate::render::source::Source;
+use crate::settings::Shading;
 use crate::setup;
 use crate::surface::HeightField;
 use std::sync::{Arc, LazyLock};

@@ -10,7 +10,7 @@ use crate::render::object::ObjectSources;
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::scene::Mesh;
-use crate::setup::{self, InUse, ObjectSurface};
+use crate::setup::{self, InUse, ObjectSurface, SourceSettings};
 use crate::surface::statistics::Relief;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
@@ -29,7 +29,7 @@ pub struct Request {
     /// Height field.
     pub surface: SurfaceSource,
     /// Settings. Footprints of 0 are replaced by those of the picture.
-    pub settings: setup::Settings,
+    pub settings: SourceSettings,
     /// Picture it is for, whose footprints set the resolution of the source.
     pub picture: Option<RequestedPicture>,
 }
@@ -228,7 +228,7 @@ impl Preparer {
         if matches!(request.role, Role::Own | Role::Preview) {
             reply(WorkerReply::Field(field.clone()));
         }
-        let own = ObjectSurface { field: Some(field.clone()), optics: request.settings.clone() };
+        let own = ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
         let mut note = None;
         let (sources, others) = match &request.picture {
             Some(picture) => {
@@ -298,7 +298,7 @@ impl Preparer {
     ) -> Result<ObjectSources> {
         let RequestedPicture { views, size, sampling, .. } = picture;
         let surface = match &self.device {
-            Some(device) if surface.optics.footprints == FootprintSizes::default() => {
+            Some(device) if surface.source.footprints == FootprintSizes::default() => {
                 surface.seen(device, mesh, views, *size, sampling)?
             }
             _ => surface.clone(),
@@ -314,7 +314,7 @@ impl Preparer {
         progress: &setup::Progress<'_>,
     ) -> Result<Source> {
         let Some(field) = &surface.field else { return Ok(setup::pigment_alone()) };
-        let made = setup::source(field, &surface.optics, &self.limits, &mut self.in_use, progress)?;
+        let made = setup::source(field, &surface.source, &self.limits, &mut self.in_use, progress)?;
         *note = made.note.or(note.take());
         Ok(made.source)
     }
@@ -333,7 +333,7 @@ impl Preparer {
 mod tests {
     use super::*;
     use crate::optics::coherence::{Coherence, Windows};
-    use crate::render::shading::Shading;
+    use crate::settings::Shading;
     use crate::surface::synth::SurfaceKind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
@@ -359,13 +359,7 @@ mod tests {
         let surface = SurfaceSource { name: name.into(), ..SurfaceSource::built_in(SurfaceKind::Blaze) };
         let coherence = Coherence::Gaussian { length: 8.0 };
         let shading = Shading { tolerance, coherence, windows: Windows::ONE, ..Shading::default() };
-        Request {
-            role,
-            number,
-            surface,
-            settings: setup::Settings::new(setup::Method::Spectral, shading),
-            picture: None,
-        }
+        Request { role, number, surface, settings: SourceSettings::new(shading), picture: None }
     }
 
     #[test]

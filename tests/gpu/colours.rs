@@ -7,7 +7,7 @@ use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
-use diffract::render::shading::Shading;
+use diffract::settings::Shading;
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::{Layers, compute};
 use diffract::surface::HeightField;
@@ -45,7 +45,7 @@ fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
 /// Layers of `field` for pictures.
 fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
     let sigma = shading.coherence.sigma().unwrap();
-    let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
+    let settings = diffract::setup::layer_settings(shading, sigma, 0.38, device.candidate()).unwrap();
     compute(field, &settings, &|_, _| Ok(())).unwrap()
 }
 

@@ -8,7 +8,7 @@ use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::Method;
 use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, DVec4};
 

@@ -9,7 +9,7 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Environment, Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::Method;
 use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, Vec3};
 

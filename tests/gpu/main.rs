@@ -38,9 +38,9 @@ use diffract::error::Result;
 use diffract::render::object::{ObjectData, ObjectSources};
 use diffract::render::pigment::Pigment;
 use diffract::render::renderer::{Renderer, RendererSettings};
-use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Mesh, Scene};
+use diffract::settings::Shading;
 use diffract::vk::device::Device;
 use std::sync::Arc;
 

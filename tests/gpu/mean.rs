@@ -23,10 +23,10 @@ use diffract::render::reference_picture::{
     PixelReference, ReferenceObject, ReferenceSamples, covered, reference_mean, reference_picture,
 };
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Camera, Light, Scene};
-use diffract::setup::{self, InUse, Method};
+use diffract::settings::{Method, Shading};
+use diffract::setup::{self, InUse, SourceSettings};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -47,8 +47,8 @@ pub fn source(
     method: Method,
     footprints: FootprintSizes,
 ) -> Source {
-    let settings =
-        setup::Settings { cached: false, footprints, ..setup::Settings::new(method, shading.clone()) };
+    let settings = SourceSettings::new(Shading { method, ..shading.clone() });
+    let settings = SourceSettings { cached: false, footprints, ..settings };
     setup::source(field, &settings, device.candidate(), &mut InUse::default(), &|_, _, _| Ok(()))
         .unwrap()
         .source

@@ -12,10 +12,10 @@ use diffract::render::object::{ObjectData, ObjectSources, ObjectTextures, object
 use diffract::render::pigment::Pigment;
 use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Grooves, Light, Scene};
-use diffract::setup::{Method, pigment_alone};
+use diffract::settings::{Method, Shading};
+use diffract::setup::pigment_alone;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::DVec3;

@@ -11,7 +11,7 @@ use diffract::optics::color::DISPLAY_BLACK;
 use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::Evaluator;
-use diffract::render::shading::Shading;
+use diffract::settings::Shading;
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::surface::HeightField;
 

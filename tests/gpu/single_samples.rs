@@ -13,10 +13,9 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Shading};
 use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, Vec3};
 

@@ -9,10 +9,9 @@ use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
 use diffract::render::reference_picture::reference_pixels;
 use diffract::render::renderer::Renderer;
-use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Environment, Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Shading};
 use diffract::spectra::amplitude::{Layers, compute};
 use diffract::surface::synth::SurfaceKind;
 use diffract::viewer::error_probe::{ProbeSamples, samples};
@@ -145,7 +144,7 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
     with_device(|device| {
         let drawn = |shading: &Shading| {
             let sigma = shading.coherence.sigma().unwrap();
-            let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
+            let settings = diffract::setup::layer_settings(shading, sigma, 0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let mut renderer = crate::renderer_of(device, &scene, &window(&layers), shading, SIZE).unwrap();
             let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();

@@ -8,7 +8,7 @@ use crate::export::{ExportedMaterial, MaterialDescription};
 use crate::figure::{Axis, ColorMap, ColorScale, Raster};
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::output::{write_atomically, write_failed};
-use crate::render::shading::Shading;
+use crate::settings::Shading;
 use crate::surface::statistics::plot_grid::PlotGrid;
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 use std::io::Write;

@@ -108,7 +108,8 @@ impl ViewOptions {
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         let environment = self.environment.as_deref();
         let environment = environment.filter(|name| *name != "none" && !environment::is_built_in(name));
-        let spectra = self.light.iter().filter_map(|light| light.spectrum.as_ref()?.file());
+        let spectra =
+            self.light.iter().filter_map(|light| light.spectrum.as_ref()?.file().map(PathBuf::from));
         environment.map(PathBuf::from).into_iter().chain(spectra)
     }
 

@@ -3,7 +3,7 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::{SourceSummary, reflectance, stages};
 use crate::error::Result;
-use crate::render::shading::Shading;
+use crate::settings::Shading;
 use crate::vk::device::Device;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;

@@ -24,8 +24,8 @@ pub use thesis::Thesis;
 pub use window::Window;
 
 use super::directions::Directions;
-use super::shading::Shading;
 use crate::error::Result;
+use crate::settings::Shading;
 use crate::spectra::amplitude::Layers;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::vk::device::Device;

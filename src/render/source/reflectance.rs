@@ -3,8 +3,8 @@
 
 use crate::error::Result;
 use crate::optics::reflectance::{COLUMNS, ROWS, Reflectance};
-use crate::render::shading::Shading;
 use crate::render::upload;
+use crate::settings::Shading;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use crate::vk::pipeline::Constant;

@@ -13,7 +13,7 @@ use crate::viewer::inspector::reference::DirectionReference;
 use crate::viewer::job_queue::RenderReply;
 use crate::viewer::model::{Concern, Preview, TaskProgress};
 use crate::viewer::prepared::{Prepared, Role};
-use crate::viewer::settings::ViewSettings;
+use crate::viewer::view_settings::ViewSettings;
 use crate::viewer::worker::WorkerReply;
 use std::sync::Arc;
 
