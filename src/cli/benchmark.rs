@@ -269,7 +269,8 @@ impl BenchmarkScene {
         let colors = self.reference(&benchmark.shading, &benchmark.directions, &pixels)?;
         let of_rays = self.reference(&benchmark.shading, &cast, &pixels)?;
         let one = shown(&picture, &pixels);
-        let errors = |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.exposure);
+        let errors =
+            |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.display.exposure);
         let sampling = Sampling { count: MORE_SAMPLES, seed: 0 };
         let more = shown(&self.paint_samples(&mut benchmark.renderer, sampling)?, &pixels);
         let mut all = PictureErrors {
@@ -316,7 +317,8 @@ impl BenchmarkScene {
     ) -> Result<Measurement> {
         let times = measure(renderer, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
         let picture = self.paint(renderer)?;
-        let errors = PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.exposure);
+        let errors =
+            PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.display.exposure);
         Ok(Measurement {
             frame_ms: times.frame.p50,
             fastest_ms: times.frame.min,

@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         source: SourceSettings::new(shading),
     };
     let shaded = arguments.sample_pixels;
-    let measured = scene.auto_exposure;
+    let measured = scene.display.auto_exposure;
     let surfaces = ObjectSurface::of(&scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
     let work = PictureWork {
         scene: &scene,
@@ -321,7 +321,7 @@ fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) 
 
 /// Prints and returns the `measured` exposure \[stops\], or that of `scene` without light.
 fn told_exposure(measured: Option<f64>, scene: &Scene) -> f64 {
-    let stops = measured.unwrap_or(scene.exposure);
+    let stops = measured.unwrap_or(scene.display.exposure);
     let unlit = if measured.is_none() { ", the scene's own: nothing is lit" } else { "" };
     say(&format_args!("exposure {stops:.1} stops{unlit}"));
     stops

@@ -118,15 +118,15 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         surface,
         optics,
         surroundings: viewer::placement(&scene),
-        exposure: scene.exposure,
-        tone: scene.tone,
+        exposure: scene.display.exposure,
+        tone: scene.display.tone,
         base_color: scene.main_object().base_color,
         camera: scene.camera,
         lights: scene.lights,
         samples: arguments.samples,
     };
     Ok(Start {
-        measures_exposure: scene.auto_exposure,
+        measures_exposure: scene.display.auto_exposure,
         settings,
         plain,
         size: arguments.size,

@@ -8,7 +8,7 @@ use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::output;
 use crate::picture_file::quoted;
-use crate::scene::Scene;
+use crate::scene::{DisplaySettings, Scene};
 use crate::surface::SurfaceSource;
 use crate::surface::prepare::{Levelling, PreparationStep};
 use crate::viewer::{Output, ViewSettings};
@@ -58,9 +58,12 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
         camera: settings.shown_camera(scene),
         lights: settings.lights.clone(),
         environment: scene.environment.as_ref().map(|own| own.placed(settings.surroundings)),
-        exposure: settings.exposure,
-        auto_exposure: false,
-        tone: settings.tone,
+        display: DisplaySettings {
+            exposure: settings.exposure,
+            auto_exposure: false,
+            tone: settings.tone,
+            background: scene.display.background,
+        },
         options: pairs.filter(is_option).collect(),
         ..scene.clone()
     };
@@ -107,7 +110,7 @@ impl Words {
             words.option("shadows", "off");
         }
         words.option("exposure", settings.exposure.to_string());
-        if settings.tone != scene.tone {
+        if settings.tone != scene.display.tone {
             words.option("tone", settings.tone.name());
         }
         if settings.base_color != scene.main_object().base_color {
@@ -230,7 +233,8 @@ mod tests {
         s.tone = Tone::Neutral;
         let told = render(&s, &scene, &OUTPUT);
         assert!(told.contains("--tone neutral"), "{told}");
-        let neutral = Scene { tone: Tone::Neutral, ..scene.clone() };
+        let display = DisplaySettings { tone: Tone::Neutral, ..scene.display };
+        let neutral = Scene { display, ..scene.clone() };
         assert!(!render(&s, &neutral, &OUTPUT).contains("--tone"));
         s.tone = Tone::None;
         assert!(render(&s, &neutral, &OUTPUT).contains("--tone none"));

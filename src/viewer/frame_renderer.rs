@@ -152,7 +152,7 @@ impl FrameRenderer {
                     let drawn = self.draw(&request, queue, reply);
                     match drawn {
                         Ok(None) => queue.resume(request),
-                        Ok(Some(RenderReply::Drawn(_))) => go_on_with(request, queue),
+                        Ok(Some(RenderReply::Frame(_))) => go_on_with(request, queue),
                         _ => {}
                     }
                     drawn
@@ -242,7 +242,7 @@ impl FrameRenderer {
         // A newer request counts its picture; a job needs no count.
         let whole = request.quality == Quality::WHOLE && !superseded();
         let cost = if whole { self.count(request)? } else { None };
-        Ok(Some(RenderReply::Drawn(Box::new(RenderedFrame {
+        Ok(Some(RenderReply::Frame(Box::new(RenderedFrame {
             images: [left, right],
             sizes: [size; 2],
             quality: request.quality,
@@ -293,7 +293,7 @@ impl FrameRenderer {
         if samples < request.sampling.count {
             queue.refine(request);
         }
-        Ok(Some(RenderReply::Drawn(Box::new(frame))))
+        Ok(Some(RenderReply::Frame(Box::new(frame))))
     }
 
     /// Returns the image right of the split, of which `size` pixels are drawn: the picture of the other setting, or the

@@ -118,7 +118,7 @@ impl Hand {
 
     /// Returns the position of `text`.
     #[track_caller]
-    pub fn find(&self, text: &str) -> Pos2 {
+    pub fn position_of(&self, text: &str) -> Pos2 {
         let found = self.all(text);
         found.first().unwrap_or_else(|| panic!("no `{text}` in {:#?}", self.texts)).rect.center()
     }
@@ -179,7 +179,7 @@ impl Hand {
     /// Clicks on `text`.
     #[track_caller]
     pub fn press(&mut self, text: &str) {
-        let at = self.find(text);
+        let at = self.position_of(text);
         self.click(at);
     }
 

@@ -46,7 +46,7 @@ mod surface_pane;
 mod surface_window;
 mod text_dump;
 mod view_settings;
-mod window;
+mod viewer_window;
 mod worker;
 
 #[cfg(test)]

@@ -203,7 +203,7 @@ impl Sources {
     }
 
     /// Drops the data of moving pictures of `detail`.
-    pub fn forget(&mut self, detail: Detail) {
+    pub fn discard(&mut self, detail: Detail) {
         match detail {
             Detail::Full => {}
             Detail::Coarse => self.coarse = None,
@@ -488,7 +488,7 @@ impl Model {
         self.measures_exposure |= self.measured_exposure == Some(self.settings.exposure);
         let loaded = Arc::new(loaded);
         if !is_mesh {
-            self.measures_exposure |= loaded.scene.auto_exposure;
+            self.measures_exposure |= loaded.scene.display.auto_exposure;
             self.settings.change_scene(&self.brought.scene, &loaded.scene);
             self.brought = loaded.clone();
         }
@@ -657,13 +657,13 @@ mod tests {
         let now = &model.settings;
         assert_eq!((&now.surface, now.exposure, now.base_color), (&set.surface, 1.5, set.base_color));
         let scene = &model.loaded.scene;
-        assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.tone, scene.camera));
+        assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.display.tone, scene.camera));
         assert_eq!(now.optics.reflectance, scene.main_object().reflectance.clone().unwrap());
         // All settings come from the scenes.
         show(&mut model, "plate");
         model.return_to_start();
         show(&mut model, "sphere");
-        assert_eq!(model.settings.exposure, model.loaded.scene.exposure);
+        assert_eq!(model.settings.exposure, model.loaded.scene.display.exposure);
     }
 
     #[test]

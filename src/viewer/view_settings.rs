@@ -91,7 +91,7 @@ impl ViewSettings {
         self.base_color = object.base_color;
         self.lights.clone_from(&scene.lights);
         self.surroundings = placement(scene);
-        (self.exposure, self.tone) = (scene.exposure, scene.tone);
+        (self.exposure, self.tone) = (scene.display.exposure, scene.display.tone);
     }
 
     /// Replaces the settings that came with `old` by those of `new`, and keeps those that the user has changed.
@@ -152,8 +152,8 @@ pub(crate) mod tests {
             optics,
             lights: scene.lights.clone(),
             surroundings: placement(&scene),
-            exposure: scene.exposure,
-            tone: scene.tone,
+            exposure: scene.display.exposure,
+            tone: scene.display.tone,
             base_color: scene.main_object().base_color,
             camera: scene.camera,
             samples: 1,

@@ -26,7 +26,7 @@ use crate::render::window_pass::PicturePlace;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
-use crate::vk::surface::Surface;
+use crate::vk::window_surface::Surface;
 use ash::vk;
 use egui::{Rect, TexturesDelta, ViewportId};
 use recording::Recording;

@@ -228,21 +228,19 @@ impl Preparer {
         if matches!(request.role, Role::Own | Role::Preview) {
             reply(WorkerReply::Field(field.clone()));
         }
-        let own = ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
         let mut note = None;
-        let (sources, others) = match &request.picture {
-            Some(picture) => {
-                let scene = &picture.loaded.scene;
-                let sources = self.object(&own, &scene.main_object().mesh, picture, &mut note, progress)?;
-                (sources, self.others(request, &field, picture, progress)?)
+        let objects = match &request.picture {
+            Some(picture) => self.objects(request, &field, picture, &mut note, progress)?,
+            None => {
+                let own = ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
+                vec![own.sources(&[], &mut |own| self.source(own, &mut note, progress))?]
             }
-            None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
         };
         let relief = self.relief(&field, request.role);
         let shading = &request.settings.shading;
         let colour = LightColour::Spectrum(&shading.illuminant);
         let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, &shading.reflectance, colour));
-        let prepared = Prepared { number: request.number, field, sources, others, scalar_theory };
+        let prepared = Prepared { number: request.number, field, objects, scalar_theory };
         Ok((Arc::new(prepared), note))
     }
 
@@ -258,12 +256,13 @@ impl Preparer {
         Some(measured)
     }
 
-    /// Makes the sources of the further objects of a scene, after the first.
-    fn others(
+    /// Makes the sources of all objects of a scene, the first of which has the surface `field`.
+    fn objects(
         &mut self,
         request: &Request,
         field: &Arc<HeightField>,
         picture: &RequestedPicture,
+        note: &mut Option<Error>,
         progress: &setup::Progress<'_>,
     ) -> Result<Vec<ObjectSources>> {
         let scene = &picture.loaded.scene;
@@ -278,13 +277,12 @@ impl Preparer {
         };
         let surfaces = ObjectSurface::of(scene, field, &request.settings, &mut load);
         known.retain(|(surface, _)| {
-            scene.objects.iter().skip(1).any(|object| object.surface.as_ref() == Some(surface))
+            scene.objects.iter().any(|object| object.surface.as_ref() == Some(surface))
         });
         self.of_objects = known;
-        let others = surfaces?.into_iter().zip(&scene.objects).skip(1);
-        others
-            .map(|(surface, object)| self.object(&surface, &object.mesh, picture, &mut None, progress))
-            .collect()
+        let surfaces = surfaces?;
+        let objects = surfaces.iter().zip(scene.meshes());
+        objects.map(|(surface, mesh)| self.object(surface, mesh, picture, note, progress)).collect()
     }
 
     /// Makes the sources of an object with this `surface` and `mesh`. The last `note` for the user is kept.

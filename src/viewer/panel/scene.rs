@@ -1,7 +1,7 @@
 //! Rows of scene, lights and comparison.
 
 use super::rows::{self, DEGREES, STOPS, WATTS, number, quantity};
-use super::{optics, section, short, surface};
+use super::{optics, section, short, surface_rows};
 use crate::optics::color::Tone;
 use crate::optics::spectrum::BUILT_IN as BUILT_IN_SPECTRA;
 use crate::optics::spectrum::Illuminant;
@@ -240,8 +240,8 @@ pub fn compare(ui: &mut Ui, model: &mut Model) {
 /// Shows the surface of the comparison.
 fn other_surface(ui: &mut Ui, model: &mut Model) {
     let other = &mut model.comparison.surface;
-    rows::show(ui, &rows::OTHER_SURFACE, |ui| surface::other(ui, other, &model.files));
+    rows::show(ui, &rows::OTHER_SURFACE, |ui| surface_rows::other(ui, other, &model.files));
     if let Some(other) = other {
-        rows::show(ui, &rows::OTHER_LEVEL, |ui| surface::level(ui, other));
+        rows::show(ui, &rows::OTHER_LEVEL, |ui| surface_rows::level(ui, other));
     }
 }

@@ -179,7 +179,11 @@ impl ViewerWindow {
             moving: false,
             again: false,
             view,
-            shown: Shown { exposure: shown.exposure, tone: shown.tone, background: scene.background.color() },
+            shown: Shown {
+                exposure: shown.exposure,
+                tone: shown.tone,
+                background: scene.display.background.color(),
+            },
             measured: model.measures_exposure && is_own,
             size: model.size,
             compare: if is_own { model.comparison.mode } else { Compare::Alone },
