@@ -3,14 +3,14 @@
 mod display;
 mod preparation;
 mod reflectance;
-mod surface;
+mod surface_options;
 mod view;
 
 pub use display::Exposure;
 #[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
 pub use reflectance::{ReflectanceOptions, ior};
-pub use surface::SurfaceOptions;
+pub use surface_options::SurfaceOptions;
 pub use view::{ViewOptions, light_by};
 
 use super::say;

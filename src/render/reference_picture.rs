@@ -291,7 +291,7 @@ pub struct ReferenceSamples<'a> {
 impl ReferenceSamples<'_> {
     /// Returns the pixel number `pixel` and its eight neighbours, each with the weight in `weights` of its sample for
     /// the pixel. Reads outside the picture are clamped to its edge.
-    fn around(&self, pixel: usize, weights: &PixelWeights) -> [(usize, f64); 9] {
+    fn neighbours(&self, pixel: usize, weights: &PixelWeights) -> [(usize, f64); 9] {
         let [width, height] = self.size.map(|n| n as usize);
         let (x, y) = (pixel % width, pixel / width);
         let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
@@ -304,7 +304,7 @@ impl ReferenceSamples<'_> {
 
     /// Returns true if the sample of `pixel` has weight for a chosen pixel.
     fn counts(&self, pixel: usize, weights: &PixelWeights) -> bool {
-        self.around(pixel, weights).iter().any(|(other, weight)| *weight > 0.0 && (self.chosen)(*other))
+        self.neighbours(pixel, weights).iter().any(|(other, weight)| *weight > 0.0 && (self.chosen)(*other))
     }
 }
 
@@ -353,7 +353,7 @@ pub fn reference_mean(
         }
         for (pixel, sum) in sum.iter_mut().enumerate().filter(|(pixel, _)| (samples.chosen)(*pixel)) {
             *sum += samples
-                .around(pixel, &weights)
+                .neighbours(pixel, &weights)
                 .into_iter()
                 .map(|(from, weight)| sample[from] * weight)
                 .sum::<DVec4>();

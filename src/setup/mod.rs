@@ -216,7 +216,7 @@ impl Wanted {
         known: impl Fn(&mut InUse) -> &mut Known<T>,
         make: impl FnOnce(&mut InUse) -> Result<T>,
     ) -> Result<(Arc<T>, Option<Error>)> {
-        if let Some(data) = find(known(in_use), &self.key) {
+        if let Some(data) = in_use_of(known(in_use), &self.key) {
             return Ok((data, None));
         }
         let store = if self.cached { Store::open() } else { None };
@@ -350,7 +350,7 @@ impl SourceSettings {
 }
 
 /// Returns the data with this `key`, and removes entries that are no longer in use.
-fn find<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
+fn in_use_of<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
     known.retain(|(_, data)| data.strong_count() > 0);
     known.iter().find(|(own, _)| own == key).and_then(|(_, data)| data.upgrade())
 }

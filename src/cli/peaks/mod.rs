@@ -197,13 +197,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let shading = arguments.optics.for_wavelengths(&field)?;
     let (sweep, alone) = AngleSweep::of(arguments, &shading, &field)?;
-    let mut found = find(arguments, &sweep);
+    let mut found = searched(arguments, &sweep);
     let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
     for of in &mut found {
         of.find_branches(&sweep, asked);
     }
     spread_over_windows(independent_windows(&shading, &field), &alone, &mut found);
-    let windows: Vec<Vec<Found>> = asked.iter().map(|one| find(arguments, one)).collect();
+    let windows: Vec<Vec<Found>> = asked.iter().map(|one| searched(arguments, one)).collect();
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
     if let Some(path) = &arguments.plot {
@@ -213,7 +213,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Finds the peaks of every requested order.
-fn find(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
+fn searched(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
     let orders = &arguments.order.0;
     // A single order is searched in the whole range.
     let apart = arguments.period.filter(|_| orders.len() > 1);

@@ -151,6 +151,6 @@ impl Table {
     pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
         let reader = TableReader::new(&self.table);
         let texels = self.table.header.basis.texels();
-        Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.around).1.count()))
+        Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.footprint).1.count()))
     }
 }
