@@ -45,7 +45,7 @@ impl Method {
 
 /// Settings of the optics. [`Self::checked`] tells whether they go together.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shading {
+pub struct Optics {
     /// Method.
     pub method: Method,
     /// Coherence of the light on the surface.
@@ -72,7 +72,7 @@ pub struct Shading {
     pub wavelengths: Option<usize>,
 }
 
-impl Shading {
+impl Optics {
     /// Returns these settings if they go together.
     ///
     /// # Errors
@@ -195,7 +195,7 @@ impl Shading {
     }
 }
 
-impl Default for Shading {
+impl Default for Optics {
     fn default() -> Self {
         Self {
             method: Method::default(),
@@ -221,24 +221,24 @@ mod tests {
     #[test]
     fn settings_that_do_not_go_together_are_refused_and_settled() {
         let grating = Coherence::Repeats([3, 7]);
-        let one = Shading { windows: Windows::ONE, ..Shading::default() };
+        let one = Optics { windows: Windows::ONE, ..Optics::default() };
         let refused = [
-            Shading { coherence: grating, ..Shading::default() },
-            Shading { coherence: grating, wavelengths: Some(9), ..one.clone() },
-            Shading { purpose: Purpose::Picture, ..Shading::default() },
-            Shading { method: Method::Table, ..one.clone() },
-            Shading { method: Method::Table, tolerance: 1e-4, ..Shading::default() },
-            Shading { terms: Some(9), ..Shading::default() },
+            Optics { coherence: grating, ..Optics::default() },
+            Optics { coherence: grating, wavelengths: Some(9), ..one.clone() },
+            Optics { purpose: Purpose::Picture, ..Optics::default() },
+            Optics { method: Method::Table, ..one.clone() },
+            Optics { method: Method::Table, tolerance: 1e-4, ..Optics::default() },
+            Optics { terms: Some(9), ..Optics::default() },
         ];
-        for shading in refused {
-            let error = shading.check().unwrap_err();
-            assert!(error.exit_code() == 2 && !error.remedies().is_empty(), "{shading:?}: {error}");
-            let settled = Shading { tolerance: 1e-2, ..shading }.settled();
+        for optics in refused {
+            let error = optics.check().unwrap_err();
+            assert!(error.exit_code() == 2 && !error.remedies().is_empty(), "{optics:?}: {error}");
+            let settled = Optics { tolerance: 1e-2, ..optics }.settled();
             assert_eq!(settled.clone().checked().unwrap(), settled);
         }
-        let kept = Shading { terms: Some(9), wavelengths: Some(12), ..one.for_pictures() };
+        let kept = Optics { terms: Some(9), wavelengths: Some(12), ..one.for_pictures() };
         assert_eq!(kept.settled(), kept);
-        let settled = Shading { coherence: grating, wavelengths: Some(9), ..Shading::default() }.settled();
+        let settled = Optics { coherence: grating, wavelengths: Some(9), ..Optics::default() }.settled();
         assert_eq!(
             (settled.method, settled.windows, settled.wavelengths),
             (Method::Spectral, Windows::ONE, None)

@@ -20,7 +20,7 @@ use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::scene::Scene;
-use crate::settings::{Method, Shading};
+use crate::settings::{Method, Optics};
 use crate::setup;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::HeightField;
@@ -146,32 +146,32 @@ impl OpticsOptions {
         self.surface_reflectance.files()
     }
 
-    /// Returns `shading` with the material of `scene`, unless the options name another.
-    pub fn material_of(&self, scene: &Scene, shading: Shading) -> Shading {
-        Shading { reflectance: self.reflectance(scene.main_object().reflectance.as_ref()), ..shading }
+    /// Returns `optics` with the material of `scene`, unless the options name another.
+    pub fn material_of(&self, scene: &Scene, optics: Optics) -> Optics {
+        Optics { reflectance: self.reflectance(scene.main_object().reflectance.as_ref()), ..optics }
     }
 
     /// Returns the relative error that the user accepts.
     pub fn tolerance(&self) -> f64 {
-        self.tolerance.unwrap_or(Shading::default().tolerance)
+        self.tolerance.unwrap_or(Optics::default().tolerance)
     }
 
     /// Returns the settings for single wavelengths of single directions of `field`.
     ///
     /// # Errors
     /// Options that do not go together, with the remedy.
-    pub fn for_wavelengths(&self, field: &HeightField) -> Result<Shading> {
+    pub fn for_wavelengths(&self, field: &HeightField) -> Result<Optics> {
         self.check()?;
-        let mut shading = self.beyond_of(field, self.with_basis(Basis::Taylor));
-        shading.basis = self.basis.unwrap_or_else(|| shading.suited_basis(field));
-        shading.checked()
+        let mut optics = self.beyond_of(field, self.with_basis(Basis::Taylor));
+        optics.basis = self.basis.unwrap_or_else(|| optics.suited_basis(field));
+        optics.checked()
     }
 
     /// Returns the settings for colours of single directions of `field`.
     ///
     /// # Errors
     /// Options that do not go together, with the remedy; a spectrum that cannot be read.
-    pub fn for_directions(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
+    pub fn for_directions(&self, colour: &ColourOptions, field: &HeightField) -> Result<Optics> {
         colour.of(self.for_wavelengths(field)?)?.checked()
     }
 
@@ -179,15 +179,15 @@ impl OpticsOptions {
     ///
     /// # Errors
     /// Options that do not go together, with the remedy; a spectrum that cannot be read.
-    pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Shading> {
+    pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Optics> {
         self.check()?;
-        let shading = self.with_basis(self.basis_of_pictures()).for_pictures();
-        colour.of(Shading { method: self.picture_method(), ..shading })?.checked()
+        let optics = self.with_basis(self.basis_of_pictures()).for_pictures();
+        colour.of(Optics { method: self.picture_method(), ..optics })?.checked()
     }
 
-    /// Returns `shading` with the continuation beyond the patch that the user names, or that suits `field`.
-    pub fn beyond_of(&self, field: &HeightField, shading: Shading) -> Shading {
-        Shading { beyond: self.beyond.unwrap_or_else(|| setup::beyond_of(field)), ..shading }
+    /// Returns `optics` with the continuation beyond the patch that the user names, or that suits `field`.
+    pub fn beyond_of(&self, field: &HeightField, optics: Optics) -> Optics {
+        Optics { beyond: self.beyond.unwrap_or_else(|| setup::beyond_of(field)), ..optics }
     }
 
     /// Returns the expansion for pictures: in every sweep of `trade`, the one with the fewest reads for the same error.
@@ -195,8 +195,8 @@ impl OpticsOptions {
         self.basis.unwrap_or(Basis::Optimal)
     }
 
-    fn with_basis(&self, unless_named: Basis) -> Shading {
-        Shading {
+    fn with_basis(&self, unless_named: Basis) -> Optics {
+        Optics {
             method: self.method(),
             coherence: self.coherence,
             windows: self.windows(),
@@ -205,7 +205,7 @@ impl OpticsOptions {
             tolerance: self.tolerance(),
             basis: self.basis.unwrap_or(unless_named),
             terms: self.terms,
-            ..Shading::default()
+            ..Optics::default()
         }
     }
 }
@@ -228,11 +228,11 @@ impl ColourOptions {
         Some(self.illuminant.as_os_str()).filter(|name| !Illuminant::is_built_in(name))
     }
 
-    /// Returns `shading` with the colour settings of the options.
-    fn of(&self, shading: Shading) -> Result<Shading> {
+    /// Returns `optics` with the colour settings of the options.
+    fn of(&self, optics: Optics) -> Result<Optics> {
         let illuminant = Illuminant::from_name_or_file(&self.illuminant)?;
         tell_of_missing_light(&illuminant);
-        Ok(Shading { illuminant, wavelengths: self.wavelengths, ..shading })
+        Ok(Optics { illuminant, wavelengths: self.wavelengths, ..optics })
     }
 }
 

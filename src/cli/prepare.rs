@@ -57,7 +57,7 @@ pub fn source(
     let progress = |what, done, of| show(&bar, what, done, of);
     let made = setup::source(field, settings, device.candidate(), in_use, &progress)?;
     bar.finish_and_clear();
-    let (extent, summary) = (made.source.extent(), made.source.summary(&settings.shading));
+    let (extent, summary) = (made.source.extent(), made.source.summary(&settings.optics));
     const MIB: f64 = 1024.0 * 1024.0;
     detail(&format_args!(
         "{}: {} layers of {} x {} texels, {:.1} MiB, made in {:.2} s",

@@ -201,7 +201,7 @@ impl Words {
 mod tests {
     use super::*;
     use crate::optics::color::Tone;
-    use crate::settings::Shading;
+    use crate::settings::Optics;
     use crate::viewer::settings_of_a_plate as settings;
 
     const OUTPUT: Output<'_> = Output { size: [64, 48], file: "a.png", turntable: None };
@@ -216,7 +216,7 @@ mod tests {
         let turn = render(&s, &scene, &Output { turntable: Some(24), ..OUTPUT });
         assert!(turn.ends_with("--size 64x48 --turntable 24 -o a.png"), "{turn}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table = Shading { terms: Some(9), windows: Windows::All, ..s.optics.clone() };
+        let by_table = Optics { terms: Some(9), windows: Windows::All, ..s.optics.clone() };
         let table = render(&ViewSettings { optics: by_table, ..s.clone() }, &scene, &OUTPUT);
         let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
         assert!(table.contains(expected), "{table}");
@@ -224,7 +224,7 @@ mod tests {
         let through = Coherence::Repeats([3, 7]);
         // A finite grating stands at one place, so that there is no mean and no table of it.
         let named =
-            Shading { coherence: through, windows: Windows::All, wavelengths: Some(9), ..s.optics.clone() };
+            Optics { coherence: through, windows: Windows::All, wavelengths: Some(9), ..s.optics.clone() };
         let repeats = ViewSettings { optics: named, ..s.clone() };
         let told = render(&repeats, &scene, &OUTPUT);
         assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");

@@ -21,7 +21,7 @@ use crate::error::{Error, Result};
 use crate::optics::color;
 use crate::optics::spectrum::Illuminant;
 use crate::scene::Light;
-use crate::settings::Shading;
+use crate::settings::Optics;
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
@@ -206,7 +206,7 @@ impl Renderer {
         if objects.is_empty() {
             return Err(Error::failed("there is no object", "report this as a bug of diffract"));
         }
-        let bind = |of: &'_ ObjectSource| of.source.bind(device, &of.shading);
+        let bind = |of: &'_ ObjectSource| of.source.bind(device, &of.optics);
         let mut sources = Vec::with_capacity(objects.len());
         for object in objects {
             sources.push(object.sources.all().map(bind).collect::<Result<Vec<_>>>()?);
@@ -222,7 +222,7 @@ impl Renderer {
         display.read_from(&target.radiance);
         let mut shadings = Vec::new();
         for (number, (own, bound)) in objects.iter().zip(sources).enumerate() {
-            let illuminants = own.sources.all().map(|of| &of.shading.illuminant);
+            let illuminants = own.sources.all().map(|of| &of.optics.illuminant);
             let bound = bound.into_iter().zip(illuminants).collect();
             shadings.extend(object_shadings(number, bound, settings.specular_spread));
         }
@@ -309,12 +309,12 @@ impl Renderer {
         self.image_input = None;
     }
 
-    /// Shades the first object from `source` by `shading` from now on, as [`Self::shade_objects_by`].
+    /// Shades the first object from `source` by `optics` from now on, as [`Self::shade_objects_by`].
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
-        self.shade_objects_by([&ObjectSources::new(source.clone(), shading.clone())])
+    pub fn shade_by(&mut self, source: &Source, optics: &Optics) -> Result<()> {
+        self.shade_objects_by([&ObjectSources::new(source.clone(), optics.clone())])
     }
 
     /// Shades the objects from `sources` from now on. Their large data must be uploaded already; only the parts that
@@ -328,11 +328,11 @@ impl Renderer {
     ) -> Result<()> {
         self.invalidate();
         let sources = sources.into_iter().flat_map(ObjectSources::all);
-        for (own, ObjectSource { source, shading }) in self.shadings.iter_mut().zip(sources) {
-            source.rebind(&self.device, &mut own.source, shading)?;
-            if own.illuminant != shading.illuminant {
-                own.illuminant.clone_from(&shading.illuminant);
-                own.white = white_of(&shading.illuminant);
+        for (own, ObjectSource { source, optics }) in self.shadings.iter_mut().zip(sources) {
+            source.rebind(&self.device, &mut own.source, optics)?;
+            if own.illuminant != optics.illuminant {
+                own.illuminant.clone_from(&optics.illuminant);
+                own.white = white_of(&optics.illuminant);
             }
         }
         Ok(())

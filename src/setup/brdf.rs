@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
 use crate::optics::reference::Reference;
 use crate::render::device_brdf::DeviceBrdf;
-use crate::settings::{Method, Shading};
+use crate::settings::{Method, Optics};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use std::sync::Arc;
@@ -29,38 +29,38 @@ pub fn for_each_window(
     note: &dyn Fn(&Error),
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
-    let shading = &settings.shading;
-    shading.check()?;
-    let illuminant = &shading.illuminant;
+    let optics = &settings.optics;
+    optics.check()?;
+    let illuminant = &optics.illuminant;
     let mean = || -> Result<MeanBrdf<'_>> {
         let sigma = settings.power_sigma()?;
-        Ok(MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() })
+        Ok(MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() })
     };
-    match (shading.method, shading.windows) {
+    match (optics.method, optics.windows) {
         (Method::Reference, Windows::All) => {
             return ask(&mut MeanReference::new(mean()?, illuminant, settings.shortest), 1.0);
         }
         (Method::Reference, Windows::Grid(windows)) => {
-            let reference = Reference::new(field, shading.coherence, windows, shading.reflectance.clone());
+            let reference = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
             return ask(&mut DirectSum { reference, illuminant }, 1.0);
         }
         (Method::Spectral, Windows::All) => {
-            return ask(&mut MeanFromOrders::new(mean()?, illuminant, shading.tolerance), 1.0);
+            return ask(&mut MeanFromOrders::new(mean()?, illuminant, optics.tolerance), 1.0);
         }
         _ => {}
     }
     let device = device()?;
     // Colour tables contain the average.
-    let [n, m] = shading.windows.grid().unwrap_or([1, 1]);
-    let one = match shading.windows {
-        Windows::Grid(_) => Shading { windows: Windows::ONE, ..shading.clone() },
-        Windows::All => shading.clone(),
+    let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
+    let one = match optics.windows {
+        Windows::Grid(_) => Optics { windows: Windows::ONE, ..optics.clone() },
+        Windows::All => optics.clone(),
     };
     let patch = field.patch_size();
     for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
         let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
         let cached = n * m <= CACHED_WINDOWS;
-        let settings = SourceSettings { shading: one.clone(), shift, cached, ..settings.clone() };
+        let settings = SourceSettings { optics: one.clone(), shift, cached, ..settings.clone() };
         let made = source(field, &settings, device.candidate(), &mut InUse::default(), progress)?;
         if let Some(error) = &made.note {
             note(error);

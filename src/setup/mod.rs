@@ -14,7 +14,7 @@ use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::{MIDDLE, SHORTEST};
 use crate::render::source::{Grating, Source, Table};
-use crate::settings::{Method, Shading};
+use crate::settings::{Method, Optics};
 use crate::spectra::amplitude::{self, LayerSettings, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, tiling};
@@ -26,7 +26,7 @@ use std::sync::{Arc, LazyLock, Weak};
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceSettings {
     /// Settings of the optics.
-    pub shading: Shading,
+    pub optics: Optics,
     /// Shortest wavelength that is evaluated \[µm\].
     pub shortest: f64,
     /// Offset of the window's centre from that of the patch \[µm\].
@@ -39,9 +39,9 @@ pub struct SourceSettings {
 
 impl SourceSettings {
     /// Returns settings for colours, with the window at the centre of the patch.
-    pub fn new(shading: Shading) -> Self {
+    pub fn new(optics: Optics) -> Self {
         Self {
-            shading,
+            optics,
             shortest: SHORTEST,
             shift: [0.0; 2],
             cached: true,
@@ -124,9 +124,9 @@ pub fn source(
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<Made> {
-    let shading = &settings.shading;
-    shading.check()?;
-    match (shading.method, shading.coherence) {
+    let optics = &settings.optics;
+    optics.check()?;
+    match (optics.method, optics.coherence) {
         (Method::Reference, _) => Err(Error::usage(
             "the f64 reference has no device to shade on",
             [Remedy::SpectralMethod, Remedy::TableMethod],
@@ -160,7 +160,7 @@ fn layers(
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<(Arc<Layers>, Option<Error>)> {
-    let own = layer_settings(&settings.shading, sigma, settings.shortest, limits)?;
+    let own = layer_settings(&settings.optics, sigma, settings.shortest, limits)?;
     let key = amplitude::cache::key(field, &own, settings.shift)?;
     let wanted = Wanted {
         key,
@@ -253,7 +253,7 @@ pub fn beyond_of(field: &HeightField) -> Beyond {
 
 /// Returns true if the source of `settings` averages over the footprints of pixels.
 pub fn averages_footprints(settings: &SourceSettings) -> bool {
-    settings.shading.method == Method::Table
+    settings.optics.method == Method::Table
 }
 
 /// Returns the memory for a source on a device with these `limits`; pictures and the rest share the remainder.
@@ -269,12 +269,12 @@ fn memory_limit(limits: &Candidate) -> usize {
 /// # Errors
 /// Fails if more than one window is to be averaged over.
 pub fn layer_settings(
-    shading: &Shading,
+    optics: &Optics,
     sigma: f64,
     shortest: f64,
     limits: &Candidate,
 ) -> Result<LayerSettings> {
-    if shading.windows != Windows::ONE {
+    if optics.windows != Windows::ONE {
         return Err(Error::usage(
             "spectra through a window are of one window",
             [Remedy::AllWindows, Remedy::OneWindow, Remedy::ReferenceMethod],
@@ -283,9 +283,9 @@ pub fn layer_settings(
     Ok(LayerSettings {
         sigma,
         shortest_wavelength: shortest,
-        budget: shading.budget().window,
-        basis: shading.basis,
-        terms: shading.terms,
+        budget: optics.budget().window,
+        basis: optics.basis,
+        terms: optics.terms,
         memory_limit: memory_limit(limits),
         side_limit: limits.max_side as usize,
     })
@@ -294,7 +294,7 @@ pub fn layer_settings(
 impl SourceSettings {
     /// Returns the standard deviation of the coherence window of the mean \[µm\].
     fn power_sigma(&self) -> Result<f64> {
-        self.shading.coherence.sigma().ok_or_else(|| {
+        self.optics.coherence.sigma().ok_or_else(|| {
             Error::usage("the mean over all windows is of Gaussian coherence", Remedy::GaussianCoherence)
         })
     }
@@ -302,7 +302,7 @@ impl SourceSettings {
     /// Returns the standard deviation of (u, v) due to coherence at the middle of the spectrum; `None` for finite
     /// gratings.
     fn coherence_spread(&self) -> Option<f64> {
-        let sigma = self.shading.coherence.sigma()?;
+        let sigma = self.optics.coherence.sigma()?;
         Some(MIDDLE * Blur::of_coherence(sigma).variance[0].sqrt())
     }
 
@@ -322,14 +322,14 @@ impl SourceSettings {
         let FootprintSizes { shorter, longer } = self.footprints;
         let is_long =
             self.coherence_spread().is_some_and(|coherence| longer > LONG * coherence.hypot(shorter));
-        self.shading.budget_of_footprints(is_long && self.shading.purpose == Purpose::Picture)
+        self.optics.budget_of_footprints(is_long && self.optics.purpose == Purpose::Picture)
     }
 
     /// Returns the settings of the series of orders for a colour table.
     fn power_settings(&self) -> Result<PowerSettings> {
         Ok(PowerSettings {
             sigma: self.power_sigma()?,
-            beyond: self.shading.beyond,
+            beyond: self.optics.beyond,
             shortest: self.shortest,
             error: self.budget().mean.series,
         })
@@ -338,9 +338,9 @@ impl SourceSettings {
     /// Returns the settings of the colour table.
     fn table_settings(&self, limits: &Candidate) -> TableSettings {
         TableSettings {
-            illuminant: self.shading.illuminant.clone(),
-            reflectance: Some(&self.shading.reflectance).filter(|r| r.is_spectral()).cloned(),
-            wavelengths: self.shading.wavelengths,
+            illuminant: self.optics.illuminant.clone(),
+            reflectance: Some(&self.optics.reflectance).filter(|r| r.is_spectral()).cloned(),
+            wavelengths: self.optics.wavelengths,
             budget: self.budget().mean,
             finest: self.finest(),
             side_limit: limits.max_side as usize,

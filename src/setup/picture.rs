@@ -11,7 +11,7 @@ use crate::render::renderer::{Picture, Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::scene::{Light, Mesh, Object, Scene};
-use crate::settings::{Method, Shading};
+use crate::settings::{Method, Optics};
 use crate::spectra::power::OrderSeries;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
@@ -36,16 +36,16 @@ impl PictureSettings {
         Self {
             size,
             sampling: Sampling { count: 16, seed: 1 },
-            source: SourceSettings::new(Shading::default().for_pictures()),
+            source: SourceSettings::new(Optics::default().for_pictures()),
         }
     }
 }
 
-/// Returns the scene's view under `shading`, with its pigment texture if it has one.
-pub fn own_view(scene: &Scene, shading: &Shading) -> View {
+/// Returns the scene's view under `optics`, with its pigment texture if it has one.
+pub fn own_view(scene: &Scene, optics: &Optics) -> View {
     View {
         pigment: scene.main_object().pigment.is_some(),
-        ..View::under(scene, &scene.lights, &shading.coherence)
+        ..View::under(scene, &scene.lights, &optics.coherence)
     }
 }
 
@@ -88,9 +88,9 @@ impl ObjectSurface {
     ) -> Result<Self> {
         let field = object.surface.as_ref().map(load).transpose()?;
         let mut source = settings.clone();
-        source.shading.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
-        let polarisation = source.shading.reflectance.polarisation();
-        source.shading.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
+        source.optics.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
+        let polarisation = source.optics.reflectance.polarisation();
+        source.optics.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
         let own = Self { field, source };
         own.check_heights()?;
         Ok(own)
@@ -98,9 +98,9 @@ impl ObjectSurface {
 
     /// Fails early for heights that no table supports.
     fn check_heights(&self) -> Result<()> {
-        match (&self.field, self.source.shading.method) {
+        match (&self.field, self.source.optics.method) {
             (Some(field), Method::Table) => {
-                self.source.shading.check()?;
+                self.source.optics.check()?;
                 OrderSeries::check_heights(field, &self.source.power_settings()?)
             }
             _ => Ok(()),
@@ -137,12 +137,12 @@ impl ObjectSurface {
         views: &[View],
         make: &mut dyn FnMut(&Self) -> Result<Source>,
     ) -> Result<ObjectSources> {
-        let mut sources = ObjectSources::new(make(self)?, self.source.shading.clone());
+        let mut sources = ObjectSources::new(make(self)?, self.source.optics.clone());
         for illuminant in views.iter().flat_map(|view| view.lights.iter()).filter_map(Light::illuminant) {
-            if sources.all().all(|known| known.shading.illuminant != *illuminant) {
+            if sources.all().all(|known| known.optics.illuminant != *illuminant) {
                 let mut under = self.clone();
-                under.source.shading.illuminant = illuminant.clone();
-                sources.under.push(ObjectSource { source: make(&under)?, shading: under.source.shading });
+                under.source.optics.illuminant = illuminant.clone();
+                sources.under.push(ObjectSource { source: make(&under)?, optics: under.source.optics });
             }
         }
         Ok(sources)
@@ -190,13 +190,13 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Fails with the numbers and a remedy, or if the device is lost.
     pub fn check(&mut self, view: &View) -> Result<()> {
-        let shading = &self.settings.source.shading;
-        if !self.source.has_limits(shading) {
+        let optics = &self.settings.source.optics;
+        if !self.source.has_limits(optics) {
             return Ok(());
         }
         let lights = 0..view.light_count();
         let seen = lights.map(|light| self.renderer.directions(view, light)).collect::<Result<Vec<_>>>()?;
-        self.source.check(shading, &seen)
+        self.source.check(optics, &seen)
     }
 
     /// Draws `view`, which must pass [`Self::check`]. Calls `progress` with the number of samples done after each; an
@@ -240,7 +240,7 @@ pub fn picture(
     field: &HeightField,
     settings: &PictureSettings,
 ) -> Result<Picture> {
-    let view = own_view(scene, &settings.source.shading);
+    let view = own_view(scene, &settings.source.optics);
     let field = Arc::new(field.clone());
     let surfaces = ObjectSurface::of(scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
     let mut in_use = InUse::default();

@@ -370,14 +370,14 @@ impl FrameRenderer {
         let Some(slot) = &mut self.own else { return Ok(None) };
         let pixels = size[0] as usize * size[1] as usize;
         let directions = error_probe::directions(&mut slot.renderer, &request.view)?;
-        let (source, shading) = (request.own.source(), request.own.shading());
+        let (source, optics) = (request.own.source(), request.own.optics());
         let counted = match source {
             // The mip level of a table depends on the distance between neighbouring pixels, so that all pixels are
             // needed.
             Source::Table(_) => directions,
             _ => error_probe::thinned(&directions, pixels),
         };
-        let cost = source.cost(shading, &counted);
+        let cost = source.cost(optics, &counted);
         let seen = counted.first().map_or(1, |d| d.view.len()).max(1);
         let cost = PictureCost {
             covered: cost.covered as f64 / seen as f64,
@@ -415,9 +415,9 @@ impl FrameRenderer {
                 }
                 let own = &request.own;
                 let note = || {
-                    let shading = own.shading();
-                    let colour = LightColour::Spectrum(&shading.illuminant);
-                    ScalarTheory::note(&own.field, &shading.reflectance, colour)
+                    let optics = own.optics();
+                    let colour = LightColour::Spectrum(&optics.illuminant);
+                    ScalarTheory::note(&own.field, &optics.reflectance, colour)
                 };
                 let scalar_theory =
                     own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
@@ -469,9 +469,9 @@ fn paint(
             return Ok(Some(FrameTime::default()));
         }
     }
-    if prepared.source().has_limits(prepared.shading()) {
+    if prepared.source().has_limits(prepared.optics()) {
         let directions = error_probe::directions(&mut slot.renderer, view)?;
-        prepared.source().check(prepared.shading(), &directions)?;
+        prepared.source().check(prepared.optics(), &directions)?;
     }
     slot.displayed = None;
     let start = Instant::now();

@@ -19,7 +19,7 @@ use crate::render::frame::View;
 use crate::render::sampling::Sampling;
 use crate::scene::environment::Environment;
 use crate::scene::{Camera, FarLight};
-use crate::settings::Shading;
+use crate::settings::Optics;
 use crate::surface::SurfaceSource;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -100,7 +100,7 @@ pub struct Comparison {
     /// Side that is shown alone, without a split.
     pub whole: Option<Side>,
     /// Other setting.
-    pub optics: Shading,
+    pub optics: Optics,
     /// Other surface; `None` for the same surface.
     pub surface: Option<SurfaceSource>,
     /// Other setting, ready to be drawn.

@@ -12,7 +12,7 @@ use super::style;
 use super::surface_window;
 use super::view_settings::ViewSettings;
 use crate::figure::palette::ColorMap;
-use crate::settings::{Method, Shading};
+use crate::settings::{Method, Optics};
 use crate::surface::{SurfaceSource, prepare};
 use egui::{
     Align2, Color32, FontId, Label, Mesh, Painter, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2,
@@ -113,7 +113,7 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
 }
 
 /// Names a side of the comparison by its settings, and by its surface if the two sides differ in it.
-fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &Shading) -> String {
+fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &Optics) -> String {
     let settled = settings.optics.as_accurate_as(optics).settled();
     let by = if settled.method == Method::Table { Method::Table.name() } else { optics.basis.name() };
     let mut text = String::new();

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::optics::validity::ScalarTheory;
 use crate::render::object::ObjectSources;
 use crate::render::source::Source;
-use crate::settings::Shading;
+use crate::settings::Optics;
 use crate::setup;
 use crate::surface::HeightField;
 use std::sync::{Arc, LazyLock};
@@ -38,7 +38,7 @@ impl Prepared {
         Ok(Self {
             number: 0,
             field: Arc::new(HeightField::new(1, 1, [1.0; 2], vec![0.0])?),
-            objects: vec![ObjectSources::new(setup::pigment_alone(), Shading::default())],
+            objects: vec![ObjectSources::new(setup::pigment_alone(), Optics::default())],
             scalar_theory: None,
         })
     }
@@ -63,8 +63,8 @@ impl Prepared {
     }
 
     /// Returns the settings of the optics of the first object.
-    pub fn shading(&self) -> &Shading {
-        &self.objects[0].own.shading
+    pub fn optics(&self) -> &Optics {
+        &self.objects[0].own.optics
     }
 
     /// Returns true if the first object's data on the device for `other` can be reused.
@@ -75,7 +75,7 @@ impl Prepared {
     /// Iterates over the sources of `count` objects; an object whose source is unknown shows its pigment alone.
     pub fn of_objects(&self, count: usize) -> impl Iterator<Item = &ObjectSources> {
         static UNKNOWN: LazyLock<ObjectSources> =
-            LazyLock::new(|| ObjectSources::new(setup::pigment_alone(), Shading::default()));
+            LazyLock::new(|| ObjectSources::new(setup::pigment_alone(), Optics::default()));
         self.objects.iter().chain(std::iter::repeat(&*UNKNOWN)).take(count)
     }
 }

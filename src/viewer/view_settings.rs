@@ -4,7 +4,7 @@ use crate::optics::color::Tone;
 use crate::render::sampling::Sampling;
 use crate::scene::environment::Placement;
 use crate::scene::{Camera, Light, Scene};
-use crate::settings::Shading;
+use crate::settings::Optics;
 use crate::surface::SurfaceSource;
 use glam::Vec3;
 
@@ -15,8 +15,8 @@ pub struct ViewSettings {
     pub scene: String,
     /// The height field.
     pub surface: SurfaceSource,
-    /// The optics as the user sets them. Pictures are drawn with [`Shading::settled`].
-    pub optics: Shading,
+    /// The optics as the user sets them. Pictures are drawn with [`Optics::settled`].
+    pub optics: Optics,
     /// The lights.
     pub lights: Vec<Light>,
     /// Orientation and exposure of the surroundings, if the scene has any.
@@ -145,7 +145,7 @@ pub(crate) mod tests {
         let name = scene.main_surface().name;
         let surface = SurfaceSource { name, ..SurfaceSource::built_in(SurfaceKind::Flat) };
         let optics =
-            Shading { windows: Windows::ONE, basis: Basis::Taylor, ..Shading::default() }.for_pictures();
+            Optics { windows: Windows::ONE, basis: Basis::Taylor, ..Optics::default() }.for_pictures();
         let settings = ViewSettings {
             scene: "plate".to_owned(),
             surface,

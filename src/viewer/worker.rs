@@ -237,9 +237,9 @@ impl Preparer {
             }
         };
         let relief = self.relief(&field, request.role);
-        let shading = &request.settings.shading;
-        let colour = LightColour::Spectrum(&shading.illuminant);
-        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, &shading.reflectance, colour));
+        let optics = &request.settings.optics;
+        let colour = LightColour::Spectrum(&optics.illuminant);
+        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, &optics.reflectance, colour));
         let prepared = Prepared { number: request.number, field, objects, scalar_theory };
         Ok((Arc::new(prepared), note))
     }
@@ -331,7 +331,7 @@ impl Preparer {
 mod tests {
     use super::*;
     use crate::optics::coherence::{Coherence, Windows};
-    use crate::settings::Shading;
+    use crate::settings::Optics;
     use crate::surface::synth::SurfaceKind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
@@ -356,8 +356,8 @@ mod tests {
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
         let surface = SurfaceSource { name: name.into(), ..SurfaceSource::built_in(SurfaceKind::Blaze) };
         let coherence = Coherence::Gaussian { length: 8.0 };
-        let shading = Shading { tolerance, coherence, windows: Windows::ONE, ..Shading::default() };
-        Request { role, number, surface, settings: SourceSettings::new(shading), picture: None }
+        let optics = Optics { tolerance, coherence, windows: Windows::ONE, ..Optics::default() };
+        Request { role, number, surface, settings: SourceSettings::new(optics), picture: None }
     }
 
     #[test]

@@ -195,14 +195,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let shading = arguments.optics.for_wavelengths(&field)?;
-    let (sweep, alone) = AngleSweep::of(arguments, &shading, &field)?;
+    let optics = arguments.optics.for_wavelengths(&field)?;
+    let (sweep, alone) = AngleSweep::of(arguments, &optics, &field)?;
     let mut found = searched(arguments, &sweep);
     let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
     for of in &mut found {
         of.find_branches(&sweep, asked);
     }
-    spread_over_windows(independent_windows(&shading, &field), &alone, &mut found);
+    spread_over_windows(independent_windows(&optics, &field), &alone, &mut found);
     let windows: Vec<Vec<Found>> = asked.iter().map(|one| searched(arguments, one)).collect();
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);

@@ -4,7 +4,7 @@ use super::rows::{self, SettingRow, number};
 use super::section;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::spectrum::{self, Illuminant};
-use crate::settings::{LEAST_TABLE_TOLERANCE, Shading};
+use crate::settings::{LEAST_TABLE_TOLERANCE, Optics};
 use crate::spectra::amplitude::expansion::Basis;
 use crate::viewer::model::Model;
 use crate::viewer::style;
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Shows the rows of one setting; they depend on its method.
-pub fn setting(ui: &mut Ui, id: &str, optics: &mut Shading, coherence: Coherence) {
+pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
     let finite = matches!(coherence, Coherence::Repeats(_));
     if !finite {
         rows::show(ui, &rows::WINDOWS, |ui| {

@@ -83,7 +83,7 @@ impl ViewerWindow {
             role,
             number,
             surface: own.surface.clone(),
-            settings: SourceSettings::new(ready.shading().clone()),
+            settings: SourceSettings::new(ready.optics().clone()),
             picture: Some(RequestedPicture { views, ..picture }),
         });
     }
@@ -249,12 +249,12 @@ impl ViewerWindow {
 
 /// Returns the settings of the source that `role` asks for under `settings`.
 fn source_settings(role: Role, settings: &ViewSettings) -> SourceSettings {
-    let mut shading = settings.optics.settled();
+    let mut optics = settings.optics.settled();
     if role == Role::FewerWavelengths {
-        shading.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
-        shading.wavelengths = None;
+        optics.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
+        optics.wavelengths = None;
     }
-    let mut source = SourceSettings::new(shading);
+    let mut source = SourceSettings::new(optics);
     if role == Role::Preview {
         source.footprints = compare::PREVIEWED;
     }
