@@ -12,7 +12,7 @@ fn main() -> Result<()> {
     let field = synth::generate(&Spec { seed: 1, ..Spec::new(SurfaceKind::Elaphe) })?;
     let mut settings = PictureSettings::new([320, 240]);
     // The relative error that is accepted. A fifth of it takes five times as long, once: what is computed stays in the cache.
-    settings.optics.shading.tolerance = 5e-2;
+    settings.source.optics.tolerance = 5e-2;
     let picture = setup::picture(&device, &scene, &field, &settings)?;
     // .png is what a display shows, .exr linear radiance.
     picture_file::save(file, &picture)

@@ -32,6 +32,7 @@ pub mod random;
 #[cfg(feature = "vulkan")]
 pub mod render;
 pub mod scene;
+pub mod settings;
 #[cfg(feature = "vulkan")]
 pub mod setup;
 pub mod spectra;

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 26] = [
+const FLOORS: [(&str, &[&str]); 27] = [
     ("error", &[]),
     ("filter", &[]),
     ("units", &["error"]),
@@ -32,6 +32,7 @@ const FLOORS: [(&str, &[&str]); 26] = [
     ),
     ("brdf", &["spectra", "budget", "filter", "optics", "surface", "error", "memory"]),
     ("table", &["spectra", "budget", "brdf", "filter", "cache", "optics", "surface", "error", "memory"]),
+    ("settings", &["budget", "table", "spectra", "optics", "surface", "error"]),
     (
         "export",
         &[
@@ -42,28 +43,29 @@ const FLOORS: [(&str, &[&str]); 26] = [
     (
         "render",
         &[
-            "budget", "vk", "table", "brdf", "spectra", "scene", "filter", "optics", "surface", "error",
-            "input", "memory", "output", "random",
+            "settings", "budget", "vk", "table", "brdf", "spectra", "scene", "filter", "optics", "surface",
+            "error", "input", "memory", "output", "random",
         ],
     ),
     ("picture_file", &["render", "error", "output"]),
     (
         "setup",
         &[
-            "budget", "render", "vk", "table", "spectra", "brdf", "scene", "cache", "filter", "optics",
-            "surface", "error",
+            "settings", "budget", "render", "vk", "table", "spectra", "brdf", "scene", "cache", "filter",
+            "optics", "surface", "error",
         ],
     ),
     (
         "measure",
         &[
-            "budget", "setup", "render", "table", "spectra", "optics", "error", "input", "memory", "output",
-            "random", "units",
+            "settings", "budget", "setup", "render", "table", "spectra", "optics", "error", "input",
+            "memory", "output", "random", "units",
         ],
     ),
     (
         "viewer",
         &[
+            "settings",
             "budget",
             "spectra",
             "measure",
@@ -87,6 +89,7 @@ const FLOORS: [(&str, &[&str]); 26] = [
     (
         "cli",
         &[
+            "settings",
             "budget",
             "export",
             "viewer",

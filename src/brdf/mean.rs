@@ -47,13 +47,13 @@ impl MeanBrdf<'_> {
 
     /// Returns ⟨|P|²⟩/A \[µm²\] at wavenumber `q` \[µm⁻¹\] for one (u, v, w), by a direct sum over all samples for each
     /// order near the frequency.
-    pub fn power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
+    pub fn power(&self, uvw: DVec3, q: f64, footprint: &Covariance) -> f64 {
         let f = -uvw.truncate() * q;
         if !self.holds(f) {
             return 0.0;
         }
         let z = 2.0 * PI * q * uvw.z.abs();
-        let spread = Spread::new(self.blur(), around, q);
+        let spread = Spread::new(self.blur(), footprint, q);
         let patch = DVec2::from_array(self.field.patch_size());
         let near = |centre: f64, variance: f64, side: f64| -> Vec<i64> {
             let reach = (CUT * variance.sqrt() * side).max(NEAREST);
@@ -62,7 +62,7 @@ impl MeanBrdf<'_> {
         let columns = near(f.x, spread.xx, patch.x);
         let rows = near(f.y, spread.yy, patch.y);
         let (specular, powers) = self.order_powers(z, &columns, &rows);
-        let seen = SeenPart::new(f, &spread, around, q);
+        let seen = SeenPart::new(f, &spread, footprint, q);
         let blurred: f64 = powers
             .iter()
             .enumerate()
@@ -71,7 +71,7 @@ impl MeanBrdf<'_> {
                 power * seen.share(m / patch) * spread.density(f - m / patch)
             })
             .sum();
-        blurred + specular * Spread::new(Blur::of_coherence(self.sigma), around, q).density(f)
+        blurred + specular * Spread::new(Blur::of_coherence(self.sigma), footprint, q).density(f)
     }
 
     /// Returns |c_m|² at z = k|w| \[rad/µm\] by a plain sum over the samples.
@@ -189,20 +189,22 @@ mod tests {
     fn a_footprint_is_the_average_over_its_directions() {
         let field = rough();
         let mean = MeanBrdf { field: &field, sigma: 1.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
-        let around = Covariance { uu: 9e-4, uv: 2e-4, vv: 4e-4 };
+        let footprint = Covariance { uu: 9e-4, uv: 2e-4, vv: 4e-4 };
         let uvw = DVec3::new(0.3, -0.2, -1.6);
         // A grid of directions with the weights of the normal distribution.
-        let (det, mut sum, mut norm) = (around.uu * around.vv - around.uv * around.uv, 0.0, 0.0);
+        let (det, mut sum, mut norm) = (footprint.uu * footprint.vv - footprint.uv * footprint.uv, 0.0, 0.0);
         for i in -40..=40 {
             for j in -40..=40 {
                 let d = DVec2::new(f64::from(i) * 0.004, f64::from(j) * 0.003);
-                let r2 = (around.vv * d.x * d.x - 2.0 * around.uv * d.x * d.y + around.uu * d.y * d.y) / det;
+                let r2 = (footprint.vv * d.x * d.x - 2.0 * footprint.uv * d.x * d.y
+                    + footprint.uu * d.y * d.y)
+                    / det;
                 let weight = (-0.5 * r2).exp();
                 norm += weight;
                 sum += weight * mean.power(uvw + d.extend(0.0), 2.0, &Covariance::default());
             }
         }
-        let blurred = mean.power(uvw, 2.0, &around);
+        let blurred = mean.power(uvw, 2.0, &footprint);
         assert!((sum / norm / blurred - 1.0).abs() < 1e-4, "{} {blurred}", sum / norm);
     }
 

@@ -34,18 +34,20 @@ impl SeenPart {
     #[cfg(test)]
     pub const ALL: Self = Self { axes: None };
 
-    /// Returns the part of the footprint `around` about the frequency `middle` \[µm⁻¹\] at wavenumber `q` \[µm⁻¹\];
+    /// Returns the part of `footprint` about the frequency `middle` \[µm⁻¹\] at wavenumber `q` \[µm⁻¹\];
     /// `spread` is the blur by coherence and footprint together.
-    pub fn new(middle: DVec2, spread: &Spread, around: &Covariance, q: f64) -> Self {
+    pub fn new(middle: DVec2, spread: &Spread, footprint: &Covariance, q: f64) -> Self {
         let limit = 2.0 * q;
         let axis = |middle: f64, both: f64, footprint: f64| {
             let of_order = (footprint / both).clamp(0.0, 1.0);
             SeenAxis { limit, middle, of_order, deviation: (of_order * (both - footprint)).max(0.0).sqrt() }
         };
-        let axes =
-            [axis(middle.x, spread.xx, q * q * around.uu), axis(middle.y, spread.yy, q * q * around.vv)];
+        let axes = [
+            axis(middle.x, spread.xx, q * q * footprint.uu),
+            axis(middle.y, spread.yy, q * q * footprint.vv),
+        ];
         let ends_within = |axis: &SeenAxis, variance: f64| axis.middle.abs() + CUT * variance.sqrt() < limit;
-        let all = ends_within(&axes[0], q * q * around.uu) && ends_within(&axes[1], q * q * around.vv);
+        let all = ends_within(&axes[0], q * q * footprint.uu) && ends_within(&axes[1], q * q * footprint.vv);
         Self { axes: (!all).then_some(axes) }
     }
 
@@ -79,16 +81,16 @@ mod tests {
         let (q, coherence) = (2.0, 0.03f64);
         let blur = Blur { variance: [coherence.powi(2); 2] };
         for (u, deviation) in [(1.7, 0.3), (1.95, 0.05), (-1.9, 0.5)] {
-            let around = Covariance { uu: deviation * deviation, uv: 0.0, vv: 1e-6 };
+            let footprint = Covariance { uu: deviation * deviation, uv: 0.0, vv: 1e-6 };
             let middle = DVec2::new(u * q, 0.1);
-            let spread = Spread::new(blur, &around, q);
-            let seen = SeenPart::new(middle, &spread, &around, q);
+            let spread = Spread::new(blur, &footprint, q);
+            let seen = SeenPart::new(middle, &spread, &footprint, q);
             for order in [1.2, 1.9, 2.0, 2.1, 2.6] {
                 let order = DVec2::new(order * q * f64::signum(u), 0.1);
                 let density = |x: f64, variance: f64| (-0.5 * x * x / variance).exp();
                 let places = (-40_000..=40_000).map(|i| 1e-4 * f64::from(i));
                 let product = |f: f64| {
-                    density(f - middle.x, q * q * around.uu) * density(f - order.x, blur.variance[0])
+                    density(f - middle.x, q * q * footprint.uu) * density(f - order.x, blur.variance[0])
                 };
                 let within: f64 = places.map(product).sum();
                 let all: f64 = (-200_000..=200_000).map(|i| product(1e-4 * f64::from(i))).sum();
@@ -104,9 +106,9 @@ mod tests {
     fn without_a_footprint_everything_is_seen() {
         let blur = Blur { variance: [1e-3; 2] };
         for u in [0.0, 1.3, 1.999] {
-            let around = Covariance::default();
+            let footprint = Covariance::default();
             let seen =
-                SeenPart::new(DVec2::new(2.0 * u, 0.0), &Spread::new(blur, &around, 2.0), &around, 2.0);
+                SeenPart::new(DVec2::new(2.0 * u, 0.0), &Spread::new(blur, &footprint, 2.0), &footprint, 2.0);
             assert_eq!(seen.share(DVec2::new(4.2, 0.0)), 1.0, "{u}");
         }
     }

@@ -24,9 +24,9 @@ pub(super) struct Spread {
 
 impl Spread {
     /// Returns the sum of `blur` and, at wavenumber `q` \[µm⁻¹\], of the covariance of directions.
-    pub fn new(blur: Blur, around: &Covariance, q: f64) -> Self {
+    pub fn new(blur: Blur, footprint: &Covariance, q: f64) -> Self {
         let [x, y] = blur.variance;
-        Self::of(x + q * q * around.uu, q * q * around.uv, y + q * q * around.vv)
+        Self::of(x + q * q * footprint.uu, q * q * footprint.uv, y + q * q * footprint.vv)
     }
 
     fn of(xx: f64, xy: f64, yy: f64) -> Self {

@@ -114,22 +114,22 @@ impl<'a> TabulatedMean<'a> {
     }
 
     /// Returns ⟨|P|²⟩/A \[µm²\] as [`MeanBrdf::power`].
-    pub fn power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
+    pub fn power(&self, uvw: DVec3, q: f64, footprint: &Covariance) -> f64 {
         let f = -uvw.truncate() * q;
-        let lobe = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
+        let lobe = Spread::new(Blur::of_coherence(self.mean.sigma), footprint, q);
         let specular = if self.mean.holds(f) { self.specular_order(uvw, q) * lobe.density(f) } else { 0.0 };
-        specular + self.scattered_power(uvw, q, around)
+        specular + self.scattered_power(uvw, q, footprint)
     }
 
     /// Returns the power without the specular order.
-    pub fn scattered_power(&self, uvw: DVec3, q: f64, around: &Covariance) -> f64 {
+    pub fn scattered_power(&self, uvw: DVec3, q: f64, footprint: &Covariance) -> f64 {
         let f = -uvw.truncate() * q;
         let z = 2.0 * PI * q * uvw.z.abs();
         if !self.mean.holds(f) || z > self.series.z_max * (1.0 + 1e-9) {
             return 0.0;
         }
-        let spread = Spread::new(self.mean.blur(), around, q);
-        let seen = SeenPart::new(f, &spread, around, q);
+        let spread = Spread::new(self.mean.blur(), footprint, q);
+        let seen = SeenPart::new(f, &spread, footprint, q);
         z * z * self.blurred(f, &spread, &seen, &self.polynomials_at(z))
     }
 
@@ -191,9 +191,9 @@ impl<'a> TabulatedMean<'a> {
         (sum * step[0] * step[1]).max(0.0)
     }
 
-    /// Returns f cos θ_i \[sr⁻¹\] of one pair at `wavelength` \[µm\], averaged over `around`.
-    pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, around: &Covariance) -> f64 {
-        self.weighted(pair, wavelength, |uvw, q| self.power(uvw, q, around))
+    /// Returns f cos θ_i \[sr⁻¹\] of one pair at `wavelength` \[µm\], averaged over `footprint`.
+    pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, footprint: &Covariance) -> f64 {
+        self.weighted(pair, wavelength, |uvw, q| self.power(uvw, q, footprint))
     }
 
     /// Returns f cos θ_i \[sr⁻¹\] for the `power` at (u, v, w) and a wavenumber.
@@ -218,19 +218,20 @@ impl<'a> TabulatedMean<'a> {
         progress: Progress<'_>,
     ) -> Result<Vec<DVec3>> {
         const AT_ONCE: usize = 1024;
-        let counts: Vec<usize> = pairs.iter().map(|(pair, around)| self.colour_nodes(pair, around)).collect();
+        let counts: Vec<usize> =
+            pairs.iter().map(|(pair, footprint)| self.colour_nodes(pair, footprint)).collect();
         let distinct: std::collections::BTreeSet<usize> = counts.iter().copied().collect();
         let sets: BTreeMap<usize, Wavelengths> =
             distinct.into_par_iter().map(|n| (n, Wavelengths::catmull_rom(illuminant, n))).collect();
         let mut colours = Vec::with_capacity(pairs.len());
         for (pairs_now, counts_now) in pairs.chunks(AT_ONCE).zip(counts.chunks(AT_ONCE)) {
             progress(colours.len(), pairs.len())?;
-            colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, around), count)| {
+            colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, footprint), count)| {
                 sets.get(count).map_or(DVec3::ZERO, |wavelengths| {
                     wavelengths.integral(|wavelength| match orders {
-                        SummedOrders::All => self.cosine_weighted(pair, wavelength, around),
+                        SummedOrders::All => self.cosine_weighted(pair, wavelength, footprint),
                         SummedOrders::Scattered => {
-                            self.weighted(pair, wavelength, |uvw, q| self.scattered_power(uvw, q, around))
+                            self.weighted(pair, wavelength, |uvw, q| self.scattered_power(uvw, q, footprint))
                         }
                     })
                 })
@@ -255,14 +256,14 @@ impl<'a> TabulatedMean<'a> {
 
     /// Returns the number of wavelengths that resolve the response along the ray of `pair`, rounded up to one of few
     /// counts.
-    fn colour_nodes(&self, pair: &Pair, around: &Covariance) -> usize {
+    fn colour_nodes(&self, pair: &Pair, footprint: &Covariance) -> usize {
         /// Ratio between counts, so that few sets of weights serve all directions.
         const STEP: f64 = 1.1;
         let uv = pair.uvw().truncate();
         // In the specular direction every wavelength reads the same point.
         let along = uv.try_normalize().unwrap_or(DVec2::X);
         let q = 1.0 / LONGEST;
-        let spread = Spread::new(Blur::of_coherence(self.mean.sigma), around, q);
+        let spread = Spread::new(Blur::of_coherence(self.mean.sigma), footprint, q);
         let variance = spread.xx * along.x * along.x
             + 2.0 * spread.xy * along.x * along.y
             + spread.yy * along.y * along.y;
@@ -350,15 +351,15 @@ mod tests {
             let mean = MeanBrdf::in_sunlight(&field, 1.5);
             let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
             for (uu, uv, vv) in [(0.02, 0.0, 0.02), (0.2, 0.05, 0.03), (0.3, -0.1, 0.3), (1e-3, 0.0, 0.2)] {
-                let around = Covariance { uu, uv, vv };
+                let footprint = Covariance { uu, uv, vv };
                 for (uvw, q) in [(DVec3::new(0.1, -0.2, -1.8), 2.2), (DVec3::new(-0.9, 0.6, -1.0), 1.5)] {
-                    let spread = Spread::new(table.mean.blur(), &around, q);
+                    let spread = Spread::new(table.mean.blur(), &footprint, q);
                     let z = 2.0 * PI * q * uvw.z.abs();
                     let t = table.polynomials_at(z);
                     let f = -uvw.truncate() * q;
                     let all = table.sum(f, &spread, &SeenPart::ALL, &t, &Pyramid::orders(&table.series));
                     let some = table.blurred(f, &spread, &SeenPart::ALL, &t);
-                    assert!((some / all - 1.0).abs() < 1e-5, "{name:?}, {around:?}: {some} of {all}");
+                    assert!((some / all - 1.0).abs() < 1e-5, "{name:?}, {footprint:?}: {some} of {all}");
                 }
             }
             let coarser = table.pyramid.get().map_or(0, |pyramid| pyramid.count() - 1);
@@ -375,12 +376,12 @@ mod tests {
             for beyond in [Beyond::Copies, Beyond::Alike] {
                 let mean = MeanBrdf { field: &field, sigma: 2.0, beyond, reflectance: 1.5.into() };
                 let table = TabulatedMean::new(mean.clone(), 0.38, &|_, _| Ok(())).unwrap();
-                for around in [Covariance::default(), Covariance { uu: 4e-4, uv: 1e-4, vv: 1e-3 }] {
+                for footprint in [Covariance::default(), Covariance { uu: 4e-4, uv: 1e-4, vv: 1e-3 }] {
                     for directions in DIRECTIONS {
                         for wavelength in [0.4, 0.55, 0.7] {
                             let uvw = pair(directions).uvw();
-                            let direct = mean.power(uvw, 1.0 / wavelength, &around);
-                            let fast = table.power(uvw, 1.0 / wavelength, &around);
+                            let direct = mean.power(uvw, 1.0 / wavelength, &footprint);
+                            let fast = table.power(uvw, 1.0 / wavelength, &footprint);
                             // Relative to the mean density of power, 1 over the band, where the value itself is
                             // smaller.
                             assert!(

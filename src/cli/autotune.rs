@@ -6,7 +6,7 @@ use super::say;
 use crate::error::{Error, Result};
 use crate::measure::profile::measure;
 use crate::optics::coherence::Windows;
-use crate::setup::Method;
+use crate::settings::Method;
 use crate::spectra::amplitude::expansion::Basis;
 
 /// Candidates without --tolerance, the most accurate of each method first. Tables of smaller tolerances do not fit usual devices.

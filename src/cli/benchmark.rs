@@ -22,11 +22,11 @@ use crate::render::rays::{RayObject, RayScene, RaySettings};
 use crate::render::reference_picture::{PixelReference, covered, displayed};
 use crate::render::renderer::{Picture, Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
-use crate::render::shading::Shading;
 use crate::render::source::cost::Cost;
 use crate::render::source::{Source, SourceSummary};
 use crate::scene::{Light, Scene};
-use crate::setup::{self, InUse, Method, Settings};
+use crate::settings::{Method, Optics};
+use crate::setup::{self, InUse, SourceSettings};
 use crate::surface::HeightField;
 use crate::units;
 use crate::vk::device::Device;
@@ -82,7 +82,7 @@ pub struct Benchmark {
     /// Renderer of the frame.
     pub renderer: Renderer,
     /// Optics of the frame.
-    pub shading: Shading,
+    pub optics: Optics,
     /// Summary of the source.
     pub summary: SourceSummary,
     /// Samples and wavelengths of the frame.
@@ -135,22 +135,22 @@ pub struct References {
 }
 
 impl References {
-    /// Returns the reference of the frame that shades `directions`, for the window positions of `shading`.
+    /// Returns the reference of the frame that shades `directions`, for the window positions of `optics`.
     ///
     /// # Errors
     /// Too little memory.
     pub fn of(
         &mut self,
         scene: &BenchmarkScene,
-        shading: &Shading,
+        optics: &Optics,
         directions: &[Directions],
     ) -> Result<&ReferencePixels> {
-        let windows = shading.windows;
+        let windows = optics.windows;
         let index = match self.pictures.iter().position(|(known, _)| *known == windows) {
             Some(index) => index,
             None => {
                 let pixels = covered(directions);
-                let colors = scene.reference(shading, directions, &pixels)?;
+                let colors = scene.reference(optics, directions, &pixels)?;
                 self.pictures.push((windows, ReferencePixels { pixels, colors }));
                 self.pictures.len() - 1
             }
@@ -194,7 +194,7 @@ impl BenchmarkScene {
     ///
     /// # Errors
     /// Options that do not go together, a file that cannot be read.
-    pub fn shading(&self, options: &BenchmarkOptions) -> Result<Shading> {
+    pub fn optics(&self, options: &BenchmarkOptions) -> Result<Optics> {
         Ok(options.optics.material_of(&self.scene, options.optics.for_pictures(&options.colour)?))
     }
 
@@ -204,9 +204,8 @@ impl BenchmarkScene {
     /// A setting that does not fit on the device; `--method reference`.
     pub fn prepare(&self, options: &BenchmarkOptions) -> Result<Benchmark> {
         check_method(options)?;
-        let shading = self.shading(options)?;
-        let method = options.optics.picture_method();
-        let mut settings = Settings::new(method, shading.clone());
+        let optics = self.optics(options)?;
+        let mut settings = SourceSettings::new(optics.clone());
         if setup::averages_footprints(&settings) {
             let views = std::slice::from_ref(&self.view);
             settings.footprints = footprints::sizes(
@@ -218,13 +217,13 @@ impl BenchmarkScene {
             )?;
         }
         let source = prepare::source(&self.field, &settings, &self.device, &mut InUse::default())?;
-        let (renderer, directions) = self.renderer(&source, &shading)?;
+        let (renderer, directions) = self.renderer(&source, &optics)?;
         Ok(Benchmark {
             renderer,
-            summary: source.summary(&shading),
-            cost: source.cost(&shading, &directions),
-            budget: MeasuredBudget::of(&source, &shading),
-            shading,
+            summary: source.summary(&optics),
+            cost: source.cost(&optics, &directions),
+            budget: MeasuredBudget::of(&source, &optics),
+            optics,
             directions,
         })
     }
@@ -233,18 +232,18 @@ impl BenchmarkScene {
     ///
     /// # Errors
     /// A frame that does not fit on the device, directions that `source` cannot shade.
-    pub fn renderer(&self, source: &Source, shading: &Shading) -> Result<(Renderer, Vec<Directions>)> {
+    pub fn renderer(&self, source: &Source, optics: &Optics) -> Result<(Renderer, Vec<Directions>)> {
         let (mesh, grooves) =
             (&self.scene.main_object().mesh, &GrooveDirections::of(&self.scene.main_object().grooves)?);
         let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
-        let sources = &ObjectSources::new(source.clone(), shading.clone());
+        let sources = &ObjectSources::new(source.clone(), optics.clone());
         let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
         let settings = RendererSettings { shadows: self.scene.shadows, ..RendererSettings::default() };
         let mut renderer = Renderer::new(&self.device, &[object], self.size, settings)?;
         let directions = (0..self.view.light_count())
             .map(|light| renderer.directions(&self.view, light))
             .collect::<Result<Vec<_>>>()?;
-        source.check(shading, &directions)?;
+        source.check(optics, &directions)?;
         Ok((renderer, directions))
     }
 
@@ -262,15 +261,16 @@ impl BenchmarkScene {
     /// A lost device, too little memory for the reference.
     pub fn compare(&self, benchmark: &mut Benchmark, count: usize) -> Result<PictureErrors> {
         let picture = self.paint(&mut benchmark.renderer)?;
-        let cast = self.cast(&benchmark.shading)?;
+        let cast = self.cast(&benchmark.optics)?;
         let covered: BTreeSet<usize> =
             [&benchmark.directions, &cast].into_iter().flat_map(|seen| covered(seen)).collect();
         let covered: Vec<usize> = covered.into_iter().collect();
         let pixels = error::sample(&covered, count);
-        let colors = self.reference(&benchmark.shading, &benchmark.directions, &pixels)?;
-        let of_rays = self.reference(&benchmark.shading, &cast, &pixels)?;
+        let colors = self.reference(&benchmark.optics, &benchmark.directions, &pixels)?;
+        let of_rays = self.reference(&benchmark.optics, &cast, &pixels)?;
         let one = shown(&picture, &pixels);
-        let errors = |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.exposure);
+        let errors =
+            |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.display.exposure);
         let sampling = Sampling { count: MORE_SAMPLES, seed: 0 };
         let more = shown(&self.render(&mut benchmark.renderer, sampling)?, &pixels);
         let mut all = PictureErrors {
@@ -287,14 +287,14 @@ impl BenchmarkScene {
     }
 
     /// Casts the rays of each light in f64.
-    fn cast(&self, shading: &Shading) -> Result<Vec<Directions>> {
+    fn cast(&self, optics: &Optics) -> Result<Vec<Directions>> {
         let grooves = &GrooveDirections::of(&self.scene.main_object().grooves)?;
         let rays = RayScene::new(vec![RayObject {
             mesh: &self.scene.main_object().mesh,
             grooves,
             casts_shadows: true,
         }]);
-        let settings = RaySettings::new(self.size, self.scene.shadows, shading);
+        let settings = RaySettings::new(self.size, self.scene.shadows, optics);
         let pass = |light| LightPass::of_all(light, Sampling::ONE.sample(0));
         let lights = 0..self.view.light_count();
         Ok(lights.map(|light| rays.directions(&self.view, &pass(light), &settings)).collect())
@@ -317,7 +317,8 @@ impl BenchmarkScene {
     ) -> Result<Measurement> {
         let times = measure(renderer, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
         let picture = self.paint(renderer)?;
-        let errors = PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.exposure);
+        let errors =
+            PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.display.exposure);
         Ok(Measurement {
             frame_ms: times.frame.p50,
             fastest_ms: times.frame.min,
@@ -331,12 +332,7 @@ impl BenchmarkScene {
     }
 
     /// Computes the f64 reference of `pixels`, linear sRGB; black for uncovered pixels.
-    fn reference(
-        &self,
-        shading: &Shading,
-        directions: &[Directions],
-        pixels: &[usize],
-    ) -> Result<Vec<DVec3>> {
+    fn reference(&self, optics: &Optics, directions: &[Directions], pixels: &[usize]) -> Result<Vec<DVec3>> {
         let bar = prepare::progress_bar("reference");
         let progress = |done: usize, of: usize| {
             bar.set_length(of as u64);
@@ -347,8 +343,8 @@ impl BenchmarkScene {
         let seen: Vec<usize> = pixels.iter().filter(is_covered).copied().collect();
         /// Error of the reference relative to the smallest tolerance of a sweep.
         const PART: f64 = 0.2;
-        let sampling = ColourSampling::within(PART * shading.tolerance.min(1e-2));
-        let colors = PixelReference::with_sampling(&self.field, shading, sampling, &progress)
+        let sampling = ColourSampling::within(PART * optics.tolerance.min(1e-2));
+        let colors = PixelReference::with_sampling(&self.field, optics, sampling, &progress)
             .and_then(|reference| reference.colors(&self.view, directions, &seen, &progress));
         bar.finish_and_clear();
         let colors: BTreeMap<usize, DVec3> = seen.into_iter().zip(colors?).collect();

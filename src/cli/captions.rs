@@ -6,7 +6,7 @@ use crate::optics::reflectance::Reflectance;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::picture_file::{Notes, quoted};
 use crate::scene::FarLight;
-use crate::setup::Method;
+use crate::settings::Method;
 use crate::surface::HeightField;
 use std::ffi::OsString;
 

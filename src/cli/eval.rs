@@ -9,7 +9,7 @@ use crate::input;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
 use crate::render::evaluator::Query;
-use crate::setup::Settings;
+use crate::setup::SourceSettings;
 use clap::Args;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -67,11 +67,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         check_single_wavelengths(arguments.optics.method())?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let shading = arguments.optics.shading(&arguments.colour, &field)?;
+    let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
     let mut values = vec![DVec3::ZERO; table.queries.len()];
     let shortest =
         table.queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min);
-    let settings = Settings { shortest, ..Settings::new(arguments.optics.method(), shading) };
+    let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
     let groups = table.by_wavelength();
     prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
         let bar = evaluation::bar(table.queries.len());

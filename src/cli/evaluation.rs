@@ -4,7 +4,7 @@ use super::prepare;
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
-use crate::setup::Method;
+use crate::settings::Method;
 use crate::units;
 use glam::DVec3;
 use indicatif::ProgressBar;

@@ -15,7 +15,7 @@ use crate::export::{
 use crate::files::Files;
 use crate::input;
 use crate::optics::spectrum::SHORTEST;
-use crate::setup::{self, Method, Settings};
+use crate::settings::{Method, Optics};
 use crate::units;
 use clap::Args;
 use std::ffi::OsString;
@@ -91,9 +91,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
     let field = source.prepare(arguments.surface.read(&source)?.into_field()?)?;
-    let shading = arguments.optics.shading(&arguments.colour, &field)?;
-    setup::check(&Settings::new(Method::Table, shading.clone()))?;
-    let settings = ExportSettings { most_bytes, ..export_settings(&shading, arguments.footprint)? };
+    let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
+    let optics = Optics { method: Method::Table, ..optics }.checked()?;
+    let settings = ExportSettings { most_bytes, ..export_settings(&optics, arguments.footprint)? };
     prepare::warn_of_coarse_samples(&field, SHORTEST);
     let bar = prepare::progress_bar("orders");
     let material =
@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         } else {
             name.to_string_lossy().to_uppercase()
         };
-        let subject = PageSubject { source: &source, field: &field, shading: &shading, illuminant };
+        let subject = PageSubject { source: &source, field: &field, optics: &optics, illuminant };
         page::write(path, &subject, &material, &description)?;
     }
     write::stdout(&summary(&description))

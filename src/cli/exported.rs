@@ -2,29 +2,29 @@
 
 use crate::error::{Error, Remedy, Result};
 use crate::export::{ExportReader, ExportSettings, MaterialDescription};
-use crate::render::shading::Shading;
 use crate::render::source::{Source, Table};
-use crate::setup::{self, Method, Settings};
+use crate::settings::{Method, Optics};
+use crate::setup::SourceSettings;
 use crate::surface::HeightField;
 use crate::table::ColorTable;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Returns the settings of an export for `shading` and footprints from `footprint` on, a standard deviation of (u, v).
+/// Returns the settings of an export for `optics` and footprints from `footprint` on, a standard deviation of (u, v).
 ///
 /// # Errors
 /// Fails if the coherence is not Gaussian.
-pub fn export_settings(shading: &Shading, footprint: f64) -> Result<ExportSettings> {
-    let sigma = shading.coherence.sigma();
+pub fn export_settings(optics: &Optics, footprint: f64) -> Result<ExportSettings> {
+    let sigma = optics.coherence.sigma();
     Ok(ExportSettings {
         sigma: sigma.ok_or_else(|| {
             Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence)
         })?,
-        beyond: shading.beyond,
-        illuminant: shading.illuminant.clone(),
-        reflectance: shading.reflectance.clone(),
-        tolerance: shading.tolerance,
-        wavelengths: shading.wavelengths,
+        beyond: optics.beyond,
+        illuminant: optics.illuminant.clone(),
+        reflectance: optics.reflectance.clone(),
+        tolerance: optics.tolerance,
+        wavelengths: optics.wavelengths,
         footprint,
         most_bytes: None,
     })
@@ -52,12 +52,12 @@ impl ExportedTable {
     ///
     /// # Errors
     /// Fails for settings that are not those of the export.
-    pub fn source(&self, field: &HeightField, settings: &Settings) -> Result<Source> {
-        setup::check(settings)?;
-        if settings.method != Method::Table {
+    pub fn source(&self, field: &HeightField, settings: &SourceSettings) -> Result<Source> {
+        settings.optics.check()?;
+        if settings.optics.method != Method::Table {
             return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
         }
-        let asked = export_settings(&settings.shading, settings.footprints.shorter)?;
+        let asked = export_settings(&settings.optics, settings.footprints.shorter)?;
         self.description.check(field, &asked).map_err(|e| e.at(self.folder.display()))?;
         Ok(Source::Table(Table { table: self.table.clone() }))
     }

@@ -54,10 +54,11 @@ impl SequenceOrigin {
             let field = surface.field.as_ref();
             let field = field
                 .map(|f| ([f.columns(), f.rows()], f.pixel_size(), hash(bytemuck::cast_slice(f.heights()))));
-            (object.base_color, object.is_ground, field, surface.optics.clone())
+            (object.base_color, object.is_ground, field, surface.source.clone())
         };
         let others: Vec<_> = scene.objects.iter().zip(surfaces).skip(1).map(other).collect();
-        let shown = (scene.exposure, measured, scene.tone, scene.background, scene.shadows);
+        let shown =
+            (scene.display.exposure, measured, scene.display.tone, scene.display.background, scene.shadows);
         // Rust writes numbers so that they are read back exactly.
         let turned = (sequence.motion, sequence.count, first);
         let settings = format!("{:?}", (turned, shown, meshes, textures, others, settings));

@@ -3,14 +3,14 @@
 mod display;
 mod preparation;
 mod reflectance;
-mod surface;
+mod surface_options;
 mod view;
 
 pub use display::Exposure;
 #[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
 pub use reflectance::{ReflectanceOptions, ior};
-pub use surface::SurfaceOptions;
+pub use surface_options::SurfaceOptions;
 pub use view::{ViewOptions, light_by};
 
 use super::say;
@@ -19,10 +19,9 @@ use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
-use crate::render::shading::Shading;
 use crate::scene::Scene;
+use crate::settings::{Method, Optics};
 use crate::setup;
-use crate::setup::Method;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::HeightField;
 use crate::units;
@@ -103,8 +102,7 @@ impl OpticsOptions {
 
     /// Returns the method for pictures: a colour table for the mean over all windows, unless the user names another.
     pub fn picture_method(&self) -> Method {
-        let unless_named = if self.windows() == Windows::All { Method::Table } else { Method::Spectral };
-        self.method.unwrap_or(unless_named)
+        self.method.unwrap_or(Method::of_pictures(self.windows()))
     }
 
     /// Returns the positions of the window.
@@ -116,20 +114,17 @@ impl OpticsOptions {
         self.windows.unwrap_or(unless_named)
     }
 
-    /// Checks that the options go together.
+    /// Fails for options that have no effect beside the others.
     ///
     /// # Errors
-    /// Options that do not, with the remedy.
-    pub fn check(&self) -> Result<()> {
+    /// Such an option, with the remedy.
+    fn check(&self) -> Result<()> {
         self.surface_reflectance.check()?;
         let all = self.windows() == Windows::All;
-        let of_one_window = [("--basis", self.basis.is_some()), ("--terms", self.terms.is_some())];
-        if let Some((name, _)) = of_one_window.iter().find(|(_, named)| *named && all) {
+        if self.basis.is_some() && all {
             return Err(Error::usage(
-                format!(
-                    "{name} is about the expansion for one window, and the mean over all windows has none"
-                ),
-                format!("add --windows 1x1, or leave {name} away"),
+                "--basis is about the expansion for one window, and the mean over all windows has none",
+                "add --windows 1x1, or leave --basis away",
             ));
         }
         if self.beyond.is_some() && !all {
@@ -151,41 +146,48 @@ impl OpticsOptions {
         self.surface_reflectance.files()
     }
 
-    /// Returns `shading` with the material of `scene`, unless the options name another.
-    pub fn material_of(&self, scene: &Scene, shading: Shading) -> Shading {
-        Shading { reflectance: self.reflectance(scene.main_object().reflectance.as_ref()), ..shading }
+    /// Returns `optics` with the material of `scene`, unless the options name another.
+    pub fn material_of(&self, scene: &Scene, optics: Optics) -> Optics {
+        Optics { reflectance: self.reflectance(scene.main_object().reflectance.as_ref()), ..optics }
     }
 
     /// Returns the relative error that the user accepts.
     pub fn tolerance(&self) -> f64 {
-        self.tolerance.unwrap_or(Shading::default().tolerance)
+        self.tolerance.unwrap_or(Optics::default().tolerance)
     }
 
     /// Returns the settings for single wavelengths of single directions of `field`.
-    pub fn monochrome(&self, field: &HeightField) -> Shading {
-        let shading = self.with_basis(Basis::Taylor);
-        let beyond = self.beyond.unwrap_or_else(|| setup::beyond_of(field));
-        match self.basis {
-            Some(_) => Shading { beyond, ..shading },
-            None => Shading { basis: shading.suited_basis(field), beyond, ..shading },
-        }
+    ///
+    /// # Errors
+    /// Options that do not go together, with the remedy.
+    pub fn for_wavelengths(&self, field: &HeightField) -> Result<Optics> {
+        self.check()?;
+        let mut optics = self.beyond_of(field, self.with_basis(Basis::Taylor));
+        optics.basis = self.basis.unwrap_or_else(|| optics.suited_basis(field));
+        optics.checked()
     }
 
     /// Returns the settings for colours of single directions of `field`.
-    pub fn shading(&self, colour: &ColourOptions, field: &HeightField) -> Result<Shading> {
-        self.check()?;
-        colour.of(self.monochrome(field))
+    ///
+    /// # Errors
+    /// Options that do not go together, with the remedy; a spectrum that cannot be read.
+    pub fn for_directions(&self, colour: &ColourOptions, field: &HeightField) -> Result<Optics> {
+        colour.of(self.for_wavelengths(field)?)?.checked()
     }
 
     /// Returns the settings for pictures.
-    pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Shading> {
+    ///
+    /// # Errors
+    /// Options that do not go together, with the remedy; a spectrum that cannot be read.
+    pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Optics> {
         self.check()?;
-        Ok(colour.of(self.with_basis(self.basis_of_pictures()))?.for_pictures())
+        let optics = self.with_basis(self.basis_of_pictures()).for_pictures();
+        colour.of(Optics { method: self.picture_method(), ..optics })?.checked()
     }
 
-    /// Returns `shading` with the continuation beyond the patch that the user names, or that suits `field`.
-    pub fn beyond_of(&self, field: &HeightField, shading: Shading) -> Shading {
-        Shading { beyond: self.beyond.unwrap_or_else(|| setup::beyond_of(field)), ..shading }
+    /// Returns `optics` with the continuation beyond the patch that the user names, or that suits `field`.
+    pub fn beyond_of(&self, field: &HeightField, optics: Optics) -> Optics {
+        Optics { beyond: self.beyond.unwrap_or_else(|| setup::beyond_of(field)), ..optics }
     }
 
     /// Returns the expansion for pictures: in every sweep of `trade`, the one with the fewest reads for the same error.
@@ -193,8 +195,9 @@ impl OpticsOptions {
         self.basis.unwrap_or(Basis::Optimal)
     }
 
-    fn with_basis(&self, unless_named: Basis) -> Shading {
-        Shading {
+    fn with_basis(&self, unless_named: Basis) -> Optics {
+        Optics {
+            method: self.method(),
             coherence: self.coherence,
             windows: self.windows(),
             beyond: self.beyond.unwrap_or_default(),
@@ -202,7 +205,7 @@ impl OpticsOptions {
             tolerance: self.tolerance(),
             basis: self.basis.unwrap_or(unless_named),
             terms: self.terms,
-            ..Shading::default()
+            ..Optics::default()
         }
     }
 }
@@ -225,11 +228,11 @@ impl ColourOptions {
         Some(self.illuminant.as_os_str()).filter(|name| !Illuminant::is_built_in(name))
     }
 
-    /// Returns `shading` with the colour settings of the options.
-    fn of(&self, shading: Shading) -> Result<Shading> {
+    /// Returns `optics` with the colour settings of the options.
+    fn of(&self, optics: Optics) -> Result<Optics> {
         let illuminant = Illuminant::from_name_or_file(&self.illuminant)?;
         tell_of_missing_light(&illuminant);
-        Ok(Shading { illuminant, wavelengths: self.wavelengths, ..shading })
+        Ok(Optics { illuminant, wavelengths: self.wavelengths, ..optics })
     }
 }
 

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
 use crate::render::source::Source;
 use crate::scene::Scene;
-use crate::setup::{self, InUse, Settings};
+use crate::setup::{self, InUse, SourceSettings};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -44,7 +44,7 @@ pub fn scene(name: &OsStr) -> Result<Scene> {
 /// Returns the source of `field` under `settings` on `device`: one of `in_use`, from the cache, or made with a progress bar.
 pub fn source(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     device: &Arc<Device>,
     in_use: &mut InUse,
 ) -> Result<Source> {
@@ -60,7 +60,7 @@ pub fn source(
     let progress = |what, done, of| show(&bar, what, done, of);
     let made = setup::source(field, settings, device.candidate(), in_use, &progress)?;
     bar.finish_and_clear();
-    let (extent, summary) = (made.source.extent(), made.source.summary(&settings.shading));
+    let (extent, summary) = (made.source.extent(), made.source.summary(&settings.optics));
     const MIB: f64 = 1024.0 * 1024.0;
     detail(&format_args!(
         "{}: {} layers of {} x {} texels, {:.1} MiB, made in {:.2} s",
@@ -81,7 +81,7 @@ pub fn source(
 /// `wish` names.
 pub fn for_each_window(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     wish: &DeviceChoice,
     ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {

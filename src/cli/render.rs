@@ -28,7 +28,8 @@ use crate::render::sampling::Sampling;
 use crate::render::sequence::Sequence;
 use crate::render::source::{ClassicalGrating, Source};
 use crate::scene::Scene;
-use crate::setup::{self, InUse, Method, ObjectSurface, PictureSettings, PreparedScene, Settings};
+use crate::settings::Method;
+use crate::setup::{self, InUse, ObjectSurface, PictureSettings, PreparedScene, SourceSettings};
 use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
@@ -108,30 +109,29 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.view.files())
         .writes(outputs);
     files.check()?;
-    let method = arguments.optics.picture_method();
-    if arguments.sample_pixels.is_some() && method != Method::Reference {
+    let optics = arguments.optics.for_pictures(&arguments.colour)?;
+    if arguments.sample_pixels.is_some() && optics.method != Method::Reference {
         return Err(Error::usage(
             "--sample-pixels is for the reference picture only",
             "add --method reference, or leave it away",
         ));
     }
-    if arguments.table.is_some() && method != Method::Table {
+    if arguments.table.is_some() && optics.method != Method::Table {
         return Err(Error::usage("--table reads a colour table", Remedy::TableMethod));
     }
-    let shading = arguments.optics.for_pictures(&arguments.colour)?;
     let mut scene = prepare::scene(&arguments.scene)?;
     files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene)?;
     let field = Arc::new(arguments.surface.load(None, Some(&scene), "elaphe")?);
-    let shading = arguments.optics.material_of(&scene, arguments.optics.beyond_of(&field, shading));
+    let optics = arguments.optics.material_of(&scene, arguments.optics.beyond_of(&field, optics));
     let settings = PictureSettings {
         size: arguments.size,
         sampling: Sampling { count: arguments.samples, seed: arguments.surface.seed },
-        optics: Settings::new(method, shading),
+        source: SourceSettings::new(optics),
     };
     let shaded = arguments.sample_pixels;
-    let measured = scene.auto_exposure;
-    let surfaces = ObjectSurface::of(&scene, &field, &settings.optics, &mut |s| s.load().map(Arc::new))?;
+    let measured = scene.display.auto_exposure;
+    let surfaces = ObjectSurface::of(&scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
     let work = PictureWork {
         scene: &scene,
         field: &field,
@@ -140,7 +140,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         shaded,
         measured,
     };
-    let view = setup::own_view(&scene, &settings.optics.shading);
+    let view = setup::own_view(&scene, &settings.source.optics);
     let shots = shots(&arguments.output, sequence.as_ref(), &view, &work)?;
     let views = sequence.map_or_else(|| vec![view.clone()], |sequence| sequence.typical_views(&view));
     draw(arguments, format, &work, &views, &shots)
@@ -163,9 +163,9 @@ impl PictureWork<'_> {
     /// Returns the notes of a picture, with the errors of scalar theory for the first object.
     fn notes(&self) -> Notes {
         let first = self.surfaces.first();
-        let shading = first.map_or(&self.settings.optics.shading, |surface| &surface.optics.shading);
-        let colour = LightColour::Spectrum(&shading.illuminant);
-        captions::notes(self.field, &shading.reflectance, colour)
+        let optics = first.map_or(&self.settings.source.optics, |surface| &surface.source.optics);
+        let colour = LightColour::Spectrum(&optics.illuminant);
+        captions::notes(self.field, &optics.reflectance, colour)
     }
 }
 
@@ -222,8 +222,8 @@ fn draw(
 ) -> Result<()> {
     let Some(first) = shots.first() else { return Ok(()) };
     let PictureWork { scene, surfaces, settings, .. } = *work;
-    let shading = &settings.optics.shading;
-    let reference = settings.optics.method == Method::Reference;
+    let optics = &settings.source.optics;
+    let reference = settings.source.optics.method == Method::Reference;
     let textured = scene.objects.iter().any(|object| object.pigment.is_some());
     if reference && textured {
         return Err(Error::usage(
@@ -234,12 +234,12 @@ fn draw(
     let exported = arguments.table.as_deref().map(ExportedTable::open).transpose()?;
     let device = prepare::device(&arguments.device.wish())?;
     let mut in_use = InUse::default();
-    let make = |surface: &ObjectSurface| match (&surface.field, surface.optics.method) {
+    let make = |surface: &ObjectSurface| match (&surface.field, surface.source.optics.method) {
         // The reference casts its rays in f64; this source has no data.
         (_, Method::Reference) => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
         (None, _) => Ok(setup::pigment_alone()),
-        (Some(field), _) if let Some(exported) = &exported => exported.source(field, &surface.optics),
-        (Some(field), _) => prepare::source(field, &surface.optics, &device, &mut in_use),
+        (Some(field), _) if let Some(exported) = &exported => exported.source(field, &surface.source),
+        (Some(field), _) => prepare::source(field, &surface.source, &device, &mut in_use),
     };
     let mut prepared = PreparedScene::new(&device, (scene, surfaces), settings, views, make)?;
     shots.iter().try_for_each(|shot| prepared.check(&shot.view))?;
@@ -255,7 +255,7 @@ fn draw(
         shown.exposure = told_exposure(measured, scene);
         prepared.show(shown);
     }
-    scale::tell(prepared.renderer(), &first.view, scene, shading.coherence)?;
+    scale::tell(prepared.renderer(), &first.view, scene, optics.coherence)?;
     let progress = Progress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);
@@ -321,7 +321,7 @@ fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) 
 
 /// Prints and returns the `measured` exposure \[stops\], or that of `scene` without light.
 fn told_exposure(measured: Option<f64>, scene: &Scene) -> f64 {
-    let stops = measured.unwrap_or(scene.exposure);
+    let stops = measured.unwrap_or(scene.display.exposure);
     let unlit = if measured.is_none() { ", the scene's own: nothing is lit" } else { "" };
     say(&format_args!("exposure {stops:.1} stops{unlit}"));
     stops
@@ -338,7 +338,7 @@ fn reference_picture(
     let PictureWork { field, surfaces, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
     let sampling = &settings.sampling;
-    let cast = RaySettings::new(settings.size, work.scene.shadows, &settings.optics.shading);
+    let cast = RaySettings::new(settings.size, work.scene.shadows, &settings.source.optics);
     let mut directions = |pass: &LightPass| Ok(rays.directions(view, pass, &cast));
     let chosen = match shaded {
         Some(count) => {
@@ -358,8 +358,8 @@ fn reference_picture(
     let colors =
         std::iter::once(view.base_color).chain(work.scene.objects.iter().skip(1).map(|o| o.base_color));
     let mut objects = Vec::new();
-    for (ObjectSurface { field, optics }, base_color) in surfaces.iter().zip(colors) {
-        objects.push(ReferenceObject { field: field.as_deref(), shading: &optics.shading, base_color });
+    for (ObjectSurface { field, source }, base_color) in surfaces.iter().zip(colors) {
+        objects.push(ReferenceObject { field: field.as_deref(), optics: &source.optics, base_color });
     }
     let samples = ReferenceSamples { sampling, size: settings.size, chosen: &chosen };
     let radiance = reference_mean(&objects, view, &samples, &mut directions, progress)?;

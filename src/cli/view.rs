@@ -5,10 +5,9 @@ use super::options::{
 };
 use super::{check_validation, last_view, prepare, scene_options, usage_error, validation, view_command};
 use crate::error::{Error, Result};
-use crate::optics::coherence::Coherence;
-use crate::setup::{self, Method, Settings};
+use crate::settings::Method;
 use crate::units;
-use crate::viewer::{self, LastView, OpticsSettings, SceneFiles, Start, ViewSettings};
+use crate::viewer::{self, LastView, SceneFiles, Start, ViewSettings};
 use ash::vk;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, ValueEnum};
 use std::ffi::{OsStr, OsString};
@@ -95,21 +94,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// # Errors
 /// Settings that do not fit together, and files that cannot be read.
 pub fn start(arguments: &Arguments) -> Result<Start> {
-    let method = arguments.optics.picture_method();
-    if method == Method::Reference {
+    let optics = arguments.optics.for_pictures(&arguments.colour)?;
+    if optics.method == Method::Reference {
         return Err(Error::usage(
             "--method reference is too slow for a window",
             "leave it out; E in the window measures the error against the reference",
         ));
     }
-    let shading = arguments.optics.for_pictures(&arguments.colour)?;
-    if matches!(shading.coherence, Coherence::Repeats(_)) {
-        shading.check_wavelengths()?;
-    }
-    setup::check(&Settings::new(method, shading.clone()))?;
+    utf8(&arguments.colour.illuminant)?;
     let mut plain = prepare::scene(&arguments.scene)?;
     let mut scene = plain.clone();
-    let shading = arguments.optics.material_of(&scene, shading);
+    let optics = arguments.optics.material_of(&scene, optics);
     arguments.view.apply(&mut scene)?;
     // The window has no controls for them.
     plain.environment.clone_from(&scene.environment);
@@ -118,31 +113,20 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
     if surface.kind().is_none() {
         surface.load()?; // a file that is none is told before a window opens
     }
-    let optics = OpticsSettings {
-        windows: shading.windows,
-        basis: shading.basis,
-        tolerance: shading.tolerance,
-        terms: shading.terms,
-        wavelengths: shading.wavelengths,
-    };
     let settings = ViewSettings {
         scene: utf8(&arguments.scene)?,
         surface,
         optics,
-        coherence: shading.coherence,
-        beyond: shading.beyond,
-        reflectance: shading.reflectance,
-        illuminant: utf8(&arguments.colour.illuminant)?,
         surroundings: viewer::placement(&scene),
-        exposure: scene.exposure,
-        tone: scene.tone,
+        exposure: scene.display.exposure,
+        tone: scene.display.tone,
         base_color: scene.main_object().base_color,
         camera: scene.camera,
         lights: scene.lights,
         samples: arguments.samples,
     };
     Ok(Start {
-        measures_exposure: scene.auto_exposure,
+        measures_exposure: scene.display.auto_exposure,
         settings,
         plain,
         size: arguments.size,

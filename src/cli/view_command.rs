@@ -8,7 +8,7 @@ use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::output;
 use crate::picture_file::quoted;
-use crate::scene::Scene;
+use crate::scene::{DisplaySettings, Scene};
 use crate::surface::SurfaceSource;
 use crate::surface::prepare::{Levelling, PreparationStep};
 use crate::viewer::{Output, ViewSettings};
@@ -50,7 +50,7 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
     let pairs =
         words.0.chunks_exact(2).map(|pair| [pair[0].trim_start_matches('-').to_owned(), pair[1].clone()]);
     // A material with a spectrum has separate keys in the file.
-    let has_spectrum = matches!(&settings.reflectance, Reflectance::Fresnel { material, .. } if material.constant_index().is_none());
+    let has_spectrum = matches!(&settings.optics.reflectance, Reflectance::Fresnel { material, .. } if material.constant_index().is_none());
     let is_option = |[name, _]: &[String; 2]| {
         scene_options::OF_SCENES.contains(&name.as_str()) && !(has_spectrum && name == "film")
     };
@@ -58,16 +58,19 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
         camera: settings.shown_camera(scene),
         lights: settings.lights.clone(),
         environment: scene.environment.as_ref().map(|own| own.placed(settings.surroundings)),
-        exposure: settings.exposure,
-        auto_exposure: false,
-        tone: settings.tone,
+        display: DisplaySettings {
+            exposure: settings.exposure,
+            auto_exposure: false,
+            tone: settings.tone,
+            background: scene.display.background,
+        },
         options: pairs.filter(is_option).collect(),
         ..scene.clone()
     };
     let object = written.main_object_mut();
     object.surface = Some(settings.surface.clone());
     object.base_color = settings.base_color;
-    object.reflectance = has_spectrum.then(|| settings.reflectance.clone());
+    object.reflectance = has_spectrum.then(|| settings.optics.reflectance.clone());
     let text = written.to_toml(path.parent().unwrap_or(Path::new("")))?;
     output::write_atomically(path, |file| {
         file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
@@ -107,7 +110,7 @@ impl Words {
             words.option("shadows", "off");
         }
         words.option("exposure", settings.exposure.to_string());
-        if settings.tone != scene.tone {
+        if settings.tone != scene.display.tone {
             words.option("tone", settings.tone.name());
         }
         if settings.base_color != scene.main_object().base_color {
@@ -151,29 +154,28 @@ impl Words {
     }
 
     fn optics(&mut self, settings: &ViewSettings) {
-        let optics = &settings.optics;
-        let windows = settings.windows(optics);
-        self.option("method", settings.method(optics).name());
-        self.option("windows", windows.to_string());
-        if windows == Windows::All {
-            self.option("beyond", settings.beyond.name());
+        let optics = settings.optics.settled();
+        self.option("method", optics.method.name());
+        self.option("windows", optics.windows.to_string());
+        if optics.windows == Windows::All {
+            self.option("beyond", optics.beyond.name());
         } else {
             self.option("basis", optics.basis.name());
         }
         self.option("samples", settings.samples.to_string());
         self.option("tolerance", format!("{:e}", optics.tolerance));
-        if let Some(terms) = optics.terms.filter(|_| windows != Windows::All) {
+        if let Some(terms) = optics.terms {
             self.option("terms", terms.to_string());
         }
-        if let Some(wavelengths) = settings.wavelengths(optics) {
+        if let Some(wavelengths) = optics.wavelengths {
             self.option("wavelengths", wavelengths.to_string());
         }
-        let coherence = match settings.coherence {
+        let coherence = match optics.coherence {
             Coherence::Gaussian { length } => format!("gaussian:{length}um"),
             Coherence::Repeats([n, m]) => format!("grating:{n}x{m}"),
         };
         self.option("coherence", coherence);
-        match &settings.reflectance {
+        match &optics.reflectance {
             Reflectance::Schlick(ior) => {
                 self.option("ior", ior.to_string());
                 self.option("reflectance", DielectricLaw::Schlick.name());
@@ -191,7 +193,7 @@ impl Words {
                 }
             }
         }
-        self.option("illuminant", &settings.illuminant);
+        self.option("illuminant", optics.illuminant.name());
     }
 }
 
@@ -199,7 +201,7 @@ impl Words {
 mod tests {
     use super::*;
     use crate::optics::color::Tone;
-    use crate::viewer::OpticsSettings;
+    use crate::settings::Optics;
     use crate::viewer::settings_of_a_plate as settings;
 
     const OUTPUT: Output<'_> = Output { size: [64, 48], file: "a.png", turntable: None };
@@ -214,15 +216,16 @@ mod tests {
         let turn = render(&s, &scene, &Output { turntable: Some(24), ..OUTPUT });
         assert!(turn.ends_with("--size 64x48 --turntable 24 -o a.png"), "{turn}");
         assert!(!plain.contains("--eye") && !plain.contains("--surface") && !plain.contains("--seed"));
-        let by_table = OpticsSettings { terms: Some(9), windows: Windows::All, ..s.optics.clone() };
+        let by_table = Optics { terms: Some(9), windows: Windows::All, ..s.optics.clone() };
         let table = render(&ViewSettings { optics: by_table, ..s.clone() }, &scene, &OUTPUT);
         let expected = "--method table --windows all --beyond copies --samples 1 --tolerance 1e-2";
         assert!(table.contains(expected), "{table}");
         assert!(!table.contains("--terms") && !table.contains("--basis"), "{table}");
         let through = Coherence::Repeats([3, 7]);
         // A finite grating stands at one place, so that there is no mean and no table of it.
-        let named = OpticsSettings { windows: Windows::All, wavelengths: Some(9), ..s.optics.clone() };
-        let repeats = ViewSettings { coherence: through, optics: named, ..s.clone() };
+        let named =
+            Optics { coherence: through, windows: Windows::All, wavelengths: Some(9), ..s.optics.clone() };
+        let repeats = ViewSettings { optics: named, ..s.clone() };
         let told = render(&repeats, &scene, &OUTPUT);
         assert!(told.contains("--coherence grating:3x7") && !told.contains("--wavelengths"), "{told}");
         assert!(told.contains("--method spectral --windows 1x1"), "{told}");
@@ -230,7 +233,8 @@ mod tests {
         s.tone = Tone::Neutral;
         let told = render(&s, &scene, &OUTPUT);
         assert!(told.contains("--tone neutral"), "{told}");
-        let neutral = Scene { tone: Tone::Neutral, ..scene.clone() };
+        let display = DisplaySettings { tone: Tone::Neutral, ..scene.display };
+        let neutral = Scene { display, ..scene.clone() };
         assert!(!render(&s, &neutral, &OUTPUT).contains("--tone"));
         s.tone = Tone::None;
         assert!(render(&s, &neutral, &OUTPUT).contains("--tone none"));

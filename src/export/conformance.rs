@@ -73,7 +73,7 @@ impl Conformance {
         let exact = exact.xyz(&settings.illuminant, &pairs, SummedOrders::All, progress)?;
         let reader = TableReader::new(table);
         let read: Vec<DVec3> =
-            pairs.par_iter().map(|(pair, around)| reader.xyz(pair, &reflectance, around)).collect();
+            pairs.par_iter().map(|(pair, footprint)| reader.xyz(pair, &reflectance, footprint)).collect();
         let row = |((pair, footprint), (exact, read)): ((Pair, [DVec2; 2]), (DVec3, DVec3))| ConformanceRow {
             pair,
             footprint,

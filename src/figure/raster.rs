@@ -34,12 +34,6 @@ impl ColorScale {
         let largest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
         Self { axis: Axis::log(label, largest * 10f64.powf(-decades), largest), map: ColorMap::Magma }
     }
-
-    /// Returns a linear scale from 0 to the largest of `values`.
-    pub fn from_zero(label: impl Into<String>, values: &[f64]) -> Self {
-        let largest = values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
-        Self { axis: Axis::linear(label, 0.0, largest), map: ColorMap::Magma }
-    }
 }
 
 /// Picture that fills a panel: row 0 at the top, columns from the low end of the panel's x axis to its high end, in equal steps of the

@@ -4,8 +4,12 @@ fn decoded(png: &[u8]) -> image::RgbImage {
     image::load_from_memory(png).unwrap().to_rgb8()
 }
 
+fn heights(map: ColorMap, largest: f64) -> ColorScale {
+    ColorScale { axis: Axis::linear("height [nm]", 0.0, largest), map }
+}
+
 fn colors() -> Raster {
-    Raster::values(2, &[0.0, 1.0, 2.0, 3.0], ColorScale::from_zero("height [nm]", &[3.0]))
+    Raster::values(2, &[0.0, 1.0, 2.0, 3.0], heights(ColorMap::Magma, 3.0))
 }
 
 #[test]
@@ -118,11 +122,7 @@ fn everything_can_stand_in_one_figure() {
         frame: PlotFrame::Box { equal: true },
         ..Panel::new(Axis::linear("x [µm]", 0.0, 65.0), Axis::linear("y [µm]", 0.0, 65.0))
     }
-    .over(Raster::values(
-        side,
-        &bumps,
-        ColorScale { map: ColorMap::Viridis, ..ColorScale::from_zero("height [nm]", &bumps) },
-    ))
+    .over(Raster::values(side, &bumps, heights(ColorMap::Viridis, bumps.iter().copied().fold(0.0, f64::max))))
     .titled("A field")
     .with_scale_bar(10.0, "10 µm");
     let figure = Figure::new("A figure with everything")

@@ -115,22 +115,22 @@ impl Line {
     }
 }
 
-/// Returns the least variance that a tap has to average over along `around`, so that [`MOST_OF_ROW`] taps suffice.
-pub fn least_own(around: &Covariance, blur: f64) -> f64 {
-    let [longer, _] = around.axes();
+/// Returns the least variance that a tap has to average over along `footprint`, so that [`MOST_OF_ROW`] taps suffice.
+pub fn least_own(footprint: &Covariance, blur: f64) -> f64 {
+    let [longer, _] = footprint.axes();
     (longer * (2.0 * LONG_REACH / (KEPT * SPACING * MOST_OF_ROW as f64)).powi(2) - blur).max(0.0)
 }
 
 impl Taps {
-    /// Places the taps of the footprint `around`, of which the variance `own` ≥ that of the level read is left to the shorter axis.
-    pub fn new(around: &Covariance, own: f64, levels: Levels) -> Self {
-        let [longer, _] = around.axes();
+    /// Places the taps of `footprint`, of which the variance `own` ≥ that of the level read is left to the shorter axis.
+    pub fn new(footprint: &Covariance, own: f64, levels: Levels) -> Self {
+        let [longer, _] = footprint.axes();
         let rest = (own - levels.read).max(0.0);
         let (rows, count) = match levels.next.filter(|next| *next > levels.read) {
             Some(next) => Self::between(longer, rest, next, levels),
             None => Self::beyond(longer, rest, levels),
         };
-        Self { axis: around.longer_axis(), rows, count }
+        Self { axis: footprint.longer_axis(), rows, count }
     }
 
     /// Makes a row of the coarser of two levels in the middle and a row of the finer one on either side, which together have the variance of both axes.
@@ -275,13 +275,13 @@ mod tests {
     fn taps_and_levels_have_the_mean_and_the_covariance_of_the_footprint() {
         let long = Covariance { uu: 4e-4, uv: 3e-4, vv: 3e-4 };
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
-        for (around, part, blur) in
+        for (footprint, part, blur) in
             [(long, 0.3, 0.0), (long, 0.5, 0.0), (long, 0.9, 1e-5), (round, 0.3, 0.0), (round, 0.5, 1e-5)]
         {
-            let ([longer, shorter], axis) = (around.axes(), around.longer_axis());
+            let ([longer, shorter], axis) = (footprint.axes(), footprint.longer_axis());
             let read = part * shorter;
             for next in [None, Some(4.0 * read)] {
-                let taps = Taps::new(&around, shorter, Levels { read, next, blur });
+                let taps = Taps::new(&footprint, shorter, Levels { read, next, blur });
                 assert_eq!(taps.count(), taps.each().count());
                 let (mut mean, mut along, mut across, mut norm) = (DVec2::ZERO, 0.0, 0.0, 0.0);
                 for Tap { place, weight, coarser } in taps.each() {
@@ -296,11 +296,11 @@ mod tests {
                 let left_out = ROUND * ROUND * (4.0 * read + blur);
                 assert!(
                     along <= longer * (1.0 + 1e-9) && along >= longer - left_out,
-                    "{around:?} {part} {next:?}"
+                    "{footprint:?} {part} {next:?}"
                 );
                 assert!(
                     across <= shorter * (1.0 + 1e-9) && across >= shorter - left_out,
-                    "{around:?} {part} {next:?}"
+                    "{footprint:?} {part} {next:?}"
                 );
             }
         }

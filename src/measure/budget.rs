@@ -1,8 +1,8 @@
 //! Error budget of a setting, with the errors measured on the surface.
 
 use crate::budget::{ErrorBudget, Share};
-use crate::render::shading::Shading;
 use crate::render::source::{Grating, Source, Table, Window};
+use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 use crate::table::TableHeader;
 use serde::Serialize;
@@ -30,17 +30,17 @@ pub struct MeasuredBudget {
 }
 
 impl MeasuredBudget {
-    /// Returns the budget of shading from `source` with `shading`; empty for a baseline.
-    pub fn of(source: &Source, shading: &Shading) -> Self {
+    /// Returns the budget of shading from `source` with `optics`; empty for a baseline.
+    pub fn of(source: &Source, optics: &Optics) -> Self {
         let parts = match source {
             Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
-                of_layers(layers, &shading.budget())
+                of_layers(layers, &optics.budget())
             }
             Source::Table(Table { table }) => of_table(&table.header),
             Source::Thesis(_) | Source::ClassicalGrating(_) => return Self::default(),
         };
-        let mut budget = Self { parts, tolerance: shading.tolerance };
-        if shading.wavelengths.is_some() {
+        let mut budget = Self { parts, tolerance: optics.tolerance };
+        if optics.wavelengths.is_some() {
             budget.forget_wavelengths();
         }
         budget

@@ -140,13 +140,7 @@ impl WindowedAxis {
         (i as f64 - (self.samples as f64 - 1.0) / 2.0) * self.spacing
     }
 
-    /// Returns W_u(x_i) for every sample, for κ = k·u \[rad/µm\]: the Gaussian of standard deviation `sigma` \[µm\] over all copies of the
-    /// patch with |x + mT − shift| ≤ 7σ.
-    pub fn gaussian_weights(&self, sigma: f64, kappa: f64) -> Vec<Complex64> {
-        self.gaussian(sigma).weights(kappa)
-    }
-
-    /// Returns the part of [`WindowedAxis::gaussian_weights`] that does not depend on κ.
+    /// Returns the Gaussian window of standard deviation `sigma` \[µm\] over all copies of the patch with |x + mT − shift| ≤ 7σ.
     pub fn gaussian(&self, sigma: f64) -> GaussianWindow {
         let (period, cut) = (self.period(), GAUSSIAN_CUT * sigma);
         let place = |i: usize| self.position(i) - self.shift;
@@ -186,7 +180,7 @@ pub struct GaussianWindow {
 }
 
 impl GaussianWindow {
-    /// Returns the weights of [`WindowedAxis::gaussian_weights`] for `kappa`.
+    /// Returns W_u(x_i) for every sample, for `kappa` = k·u \[rad/µm\].
     pub fn weights(&self, kappa: f64) -> Vec<Complex64> {
         let turns: Vec<Complex64> = self.copies.iter().map(|copy| Complex64::cis(kappa * copy)).collect();
         let weight = |i: usize| -> Complex64 {
@@ -234,7 +228,7 @@ mod tests {
     fn the_folded_window_is_the_sum_over_all_copies() {
         let axis = WindowedAxis { samples: 6, spacing: 0.25, shift: 0.5 };
         let (sigma, kappa) = (2.0, 3.7);
-        let folded: Complex64 = axis.gaussian_weights(sigma, kappa).iter().sum();
+        let folded: Complex64 = axis.gaussian(sigma).weights(kappa).iter().sum();
         // Direct sum over every sample of the periodic surface.
         let direct: Complex64 = (-400..400)
             .map(|j| (f64::from(j) + 0.5) * 0.25 - 0.5)

@@ -394,7 +394,7 @@ mod tests {
             format!("{nm},{}\n", 0.1 + 5.0 * (-0.5 * spike * spike).exp())
         };
         let text = format!("wavelength,power\n{}", (380..=780).map(row).collect::<String>());
-        let spiky = Illuminant::Table(crate::optics::spectrum::SpectralTable::parse(&text).unwrap());
+        let spiky = Illuminant::Table(crate::optics::spectrum::SpectralTable::parse(&text).unwrap().into());
         assert!((5.0..15.0).contains(&lag(&Illuminant::E)), "{}", lag(&Illuminant::E));
         assert!((15.0..30.0).contains(&lag(&Illuminant::D65)), "{}", lag(&Illuminant::D65));
         assert!(lag(&spiky) > 50.0, "{}", lag(&spiky));

@@ -24,7 +24,8 @@ pub struct Wavelengths {
 
 impl Wavelengths {
     /// Returns the trapezoid rule with `count` ≥ 2 equal steps of the wavenumber over 380–780 nm, ends included.
-    pub fn trapezoid(illuminant: &Illuminant, count: usize) -> Self {
+    #[cfg(test)]
+    pub(crate) fn trapezoid(illuminant: &Illuminant, count: usize) -> Self {
         let colour = ColourDensity::new(illuminant);
         let wavenumbers = even_wavenumbers(count);
         let step = SPAN / (count as f64 - 1.0);

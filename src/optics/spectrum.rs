@@ -3,8 +3,10 @@
 use crate::error::{Error, Result};
 use glam::DVec3;
 use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 use std::ffi::OsStr;
-use std::path::Path;
+use std::fmt;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Shortest wavelength of the colour integral \[µm\].
@@ -196,7 +198,39 @@ pub enum Illuminant {
     /// CIE LED-B3, a blue LED with a phosphor, neutral white: tabulated (CIE 15:2018).
     Led,
     /// A user's table.
-    Table(SpectralTable<1>),
+    Table(UserSpectrum),
+}
+
+/// Spectrum of a user, and the file that it was read from. Spectra of the same values are equal, whatever their files.
+#[derive(Clone)]
+pub struct UserSpectrum {
+    table: SpectralTable<1>,
+    // Empty for a spectrum that is from no file.
+    file: PathBuf,
+}
+
+impl From<SpectralTable<1>> for UserSpectrum {
+    fn from(table: SpectralTable<1>) -> Self {
+        Self { table, file: PathBuf::new() }
+    }
+}
+
+impl PartialEq for UserSpectrum {
+    fn eq(&self, other: &Self) -> bool {
+        self.table == other.table
+    }
+}
+
+impl fmt::Debug for UserSpectrum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.table.fmt(f)
+    }
+}
+
+impl Serialize for UserSpectrum {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        self.table.serialize(serializer)
+    }
 }
 
 impl Illuminant {
@@ -216,6 +250,23 @@ impl Illuminant {
         BUILT_IN.into_iter().zip(known).find(|(own, _)| name.eq_ignore_ascii_case(own)).map(|(_, own)| own)
     }
 
+    /// Returns the name of a built-in illuminant, or the file of a user's.
+    pub fn name(&self) -> Cow<'_, str> {
+        match self {
+            Self::D65 => "d65".into(),
+            Self::A => "a".into(),
+            Self::E => "e".into(),
+            Self::Led => "led".into(),
+            Self::Table(user) => user.file.to_string_lossy(),
+        }
+    }
+
+    /// Returns the file of a user's spectrum; `None` for a built-in illuminant.
+    pub fn file(&self) -> Option<&Path> {
+        let Self::Table(user) = self else { return None };
+        Some(&user.file)
+    }
+
     /// Returns true if `name` is that of a built-in illuminant.
     pub fn is_built_in(name: impl AsRef<OsStr>) -> bool {
         Self::built_in(name).is_some()
@@ -223,7 +274,7 @@ impl Illuminant {
 
     /// Returns the first and last wavelength \[nm\] of a user's table that leaves out a part of the visible range.
     pub fn missing_light(&self) -> Option<[f64; 2]> {
-        let Self::Table(table) = self else { return None };
+        let Self::Table(UserSpectrum { table, .. }) = self else { return None };
         let ends = [*table.wavelengths.first()?, *table.wavelengths.last()?];
         (ends[0] > 1e3 * SHORTEST || ends[1] < 1e3 * LONGEST).then_some(ends)
     }
@@ -233,7 +284,11 @@ impl Illuminant {
             path,
             &format!("{} or a CSV file of wavelength in nm and power", BUILT_IN.join(", ")),
         )?;
-        Self::from_text(&text).map_err(|e| e.at(path.display()))
+        let mut light = Self::from_text(&text).map_err(|e| e.at(path.display()))?;
+        if let Self::Table(user) = &mut light {
+            path.clone_into(&mut user.file);
+        }
+        Ok(light)
     }
 
     /// Reads the illuminant in the text of a CSV file of wavelength \[nm\] and power.
@@ -245,7 +300,7 @@ impl Illuminant {
         if table.values.iter().any(|v| v[0] < 0.0) {
             return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0"));
         }
-        let light = Self::Table(table.resolved_to(RESOLUTION));
+        let light = Self::Table(table.resolved_to(RESOLUTION).into());
         let luminance = light.luminance();
         if luminance == f64::INFINITY {
             return Err(Error::failed(
@@ -277,7 +332,7 @@ impl Illuminant {
                 let table = TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/led-b3.csv")));
                 table.at(wavelength)[0]
             }
-            Self::Table(table) => table.at(wavelength)[0],
+            Self::Table(user) => user.table.at(wavelength)[0],
         }
     }
 
@@ -393,7 +448,7 @@ mod tests {
             }
             assert!((energy / half - 1.0).abs() < 1e-9, "{middle}: {energy}");
             assert!((moment / energy - middle).abs() < 1e-6, "{middle}: {}", moment / energy);
-            let colour = Illuminant::Table(table).white();
+            let colour = Illuminant::Table(table.into()).white();
             let exact = observer(middle) / observer(middle).y;
             assert!((colour - exact).length() < 0.01 * exact.length(), "{middle}: {colour} {exact}");
         }

@@ -1,13 +1,13 @@
 //! A source on the device as a [`Brdf`].
 
 use super::evaluator::{AT_ONCE, Evaluator, Query};
-use super::shading::Shading;
 use super::source::Source;
 use crate::brdf::{Brdf, without_cosine};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
+use crate::settings::Optics;
 use crate::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;
@@ -22,20 +22,20 @@ pub struct DeviceBrdf {
 }
 
 impl DeviceBrdf {
-    /// Uploads `source` for `shading`.
+    /// Uploads `source` for `optics`.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn new(device: &Arc<Device>, source: &Source, shading: &Shading) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, source: &Source, optics: &Optics) -> Result<Self> {
         let grating = match source {
             Source::Grating(grating) => Some(PeriodicFactor {
                 repeats: grating.repeats,
-                colours: ColourFunctions::new(&shading.illuminant, shading.budget().window.wavelengths),
-                tolerance: shading.budget().window.wavelengths,
+                colours: ColourFunctions::new(&optics.illuminant, optics.budget().window.wavelengths),
+                tolerance: optics.budget().window.wavelengths,
             }),
             _ => None,
         };
-        Ok(Self { evaluator: Evaluator::new(device, source, shading)?, grating })
+        Ok(Self { evaluator: Evaluator::new(device, source, optics)?, grating })
     }
 
     fn ask(&mut self, pairs: &[Pair], wavelength: Option<f64>) -> Result<Vec<DVec3>> {

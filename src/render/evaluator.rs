@@ -1,10 +1,10 @@
 //! Evaluation of single directions by the source that frames are shaded from.
 
-use super::shading::Shading;
 use super::source::part::Part;
 use super::source::{BoundSource, Source};
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
+use crate::settings::Optics;
 use crate::vk::access::Access;
 use crate::vk::buffer::Buffer;
 use crate::vk::commands::Commands;
@@ -80,12 +80,12 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// Uploads `source` and the small tables for `shading`.
+    /// Uploads `source` and the small tables for `optics`.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn new(device: &Arc<Device>, source: &Source, shading: &Shading) -> Result<Self> {
-        let source = source.bind(device, shading)?;
+    pub fn new(device: &Arc<Device>, source: &Source, optics: &Optics) -> Result<Self> {
+        let source = source.bind(device, optics)?;
         Ok(Self { pass: QueryPass::new(device, &source)?, source })
     }
 

@@ -8,12 +8,12 @@ use super::object::{ObjectData, ObjectSources};
 use super::pigment::Pigment;
 use super::renderer::{Renderer, RendererSettings};
 use super::sampling::Sampling;
-use super::shading::Shading;
 use super::source::{ClassicalGrating, Source};
 use crate::error::Result;
 use crate::filter::FootprintSizes;
 use crate::scene::Mesh;
 use crate::scene::camera::pixel_in_clip;
+use crate::settings::Optics;
 use crate::vk::device::Device;
 use std::sync::Arc;
 
@@ -89,7 +89,7 @@ pub fn sizes(
     sampling: &Sampling,
 ) -> Result<FootprintSizes> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
+    let (sources, pigment) = (ObjectSources::new(source, Optics::default()), Pigment::white());
     let objects = [ObjectData::new(mesh, &pigment, &sources)];
     let mut renderer = Renderer::new(device, &objects, size, RendererSettings::default())?;
     views.iter().try_fold(FootprintSizes::default(), |finest, view| {

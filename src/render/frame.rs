@@ -44,7 +44,7 @@ impl View {
         let lights = lights.iter().map(|light| light.map(|own| own.beyond(coherence, &room))).collect();
         Self {
             environment: scene.environment.clone(),
-            shows_surroundings: scene.background == Background::Surroundings,
+            shows_surroundings: scene.display.background == Background::Surroundings,
             ..Self::of(scene, lights)
         }
     }
@@ -203,7 +203,11 @@ pub struct Shown {
 impl Shown {
     /// Returns the display settings of `scene`.
     pub fn of(scene: &Scene) -> Self {
-        Self { exposure: scene.exposure, tone: scene.tone, background: scene.background.color() }
+        Self {
+            exposure: scene.display.exposure,
+            tone: scene.display.tone,
+            background: scene.display.background.color(),
+        }
     }
 
     /// Returns settings with `exposure` and `background`, without tone mapping.

@@ -20,7 +20,6 @@ pub mod reference_picture;
 pub mod renderer;
 pub mod sampling;
 pub mod sequence;
-pub mod shading;
 pub mod shadow_map;
 pub mod source;
 mod surroundings;

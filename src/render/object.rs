@@ -5,10 +5,10 @@ use super::frame_set::{FrameBlock, FrameSet};
 use super::gbuffer::GBuffer;
 use super::grooves::{GrooveDirections, Layout};
 use super::pigment::Pigment;
-use super::shading::Shading;
 use super::source::Source;
 use crate::error::Result;
 use crate::scene::{Mesh, Object, Scene};
+use crate::settings::Optics;
 use crate::vk::device::Device;
 use glam::Vec3;
 use std::sync::Arc;
@@ -38,13 +38,13 @@ impl<'a> ObjectData<'a> {
     }
 }
 
-/// Source of an object under one illuminant, that of `shading`.
+/// Source of an object under one illuminant, that of `optics`.
 #[derive(Clone)]
 pub struct ObjectSource {
     /// BRDF data.
     pub source: Source,
     /// Settings of the optics.
-    pub shading: Shading,
+    pub optics: Optics,
 }
 
 /// Sources of an object under all lights.
@@ -58,9 +58,9 @@ pub struct ObjectSources {
 }
 
 impl ObjectSources {
-    /// Returns `source`, shaded by `shading` under all lights.
-    pub fn new(source: Source, shading: Shading) -> Self {
-        Self { own: ObjectSource { source, shading }, under: Vec::new() }
+    /// Returns `source`, shaded by `optics` under all lights.
+    pub fn new(source: Source, optics: Optics) -> Self {
+        Self { own: ObjectSource { source, optics }, under: Vec::new() }
     }
 
     /// Iterates over all sources, the default one first.
@@ -73,7 +73,7 @@ impl ObjectSources {
     pub fn shares_data_with(&self, other: &Self) -> bool {
         let same = |(own, other): (&ObjectSource, &ObjectSource)| {
             own.source.shares_data_with(&other.source)
-                && own.shading.reflectance.shares_stages_with(&other.shading.reflectance)
+                && own.optics.reflectance.shares_stages_with(&other.optics.reflectance)
         };
         self.under.len() == other.under.len() && self.all().zip(other.all()).all(same)
     }

@@ -5,7 +5,6 @@ use super::directions::Directions;
 use super::frame::{Shown, View};
 use super::light_passes::{LightPass, SampleGroup};
 use super::sampling::{PixelWeights, Sampling};
-use super::shading::Shading;
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
@@ -18,6 +17,7 @@ use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::scene::camera::pixel_in_clip;
+use crate::settings::Optics;
 use crate::surface::HeightField;
 use glam::{DVec3, DVec4, Vec3};
 use std::f64::consts::PI;
@@ -29,14 +29,14 @@ use std::f64::consts::PI;
 /// Same as [`nufft::cosine_weighted_xyz`].
 pub fn reference_picture(
     field: &HeightField,
-    shading: &Shading,
+    optics: &Optics,
     view: &View,
     directions: &[Directions],
     progress: Progress<'_>,
 ) -> Result<Vec<[f32; 4]>> {
     let covered = covered(directions);
     let mut picture = vec![[0.0; 4]; directions.first().map_or(0, |d| d.view.len())];
-    let colors = reference_pixels(field, shading, view, directions, &covered, progress)?;
+    let colors = reference_pixels(field, optics, view, directions, &covered, progress)?;
     for (pixel, color) in covered.into_iter().zip(colors) {
         picture[pixel] = color.as_vec3().extend(1.0).to_array();
     }
@@ -49,18 +49,18 @@ pub fn reference_picture(
 /// Same as [`PixelReference::new`] and [`PixelReference::colors`].
 pub fn reference_pixels(
     field: &HeightField,
-    shading: &Shading,
+    optics: &Optics,
     view: &View,
     directions: &[Directions],
     pixels: &[usize],
     progress: Progress<'_>,
 ) -> Result<Vec<DVec3>> {
-    PixelReference::new(field, shading, progress)?.colors(view, directions, pixels, progress)
+    PixelReference::new(field, optics, progress)?.colors(view, directions, pixels, progress)
 }
 
 /// Shades pixels in f64.
 pub struct PixelReference<'a> {
-    shading: &'a Shading,
+    optics: &'a Optics,
     by: By<'a>,
 }
 
@@ -72,45 +72,41 @@ enum By<'a> {
 }
 
 impl<'a> PixelReference<'a> {
-    /// Makes the reference of `field` under `shading`.
+    /// Makes the reference of `field` under `optics`.
     ///
     /// # Errors
     /// Fails if there is not enough memory, or with the error of `progress`.
-    pub fn new(field: &'a HeightField, shading: &'a Shading, progress: Progress<'_>) -> Result<Self> {
-        Self::with_sampling(field, shading, ColourSampling::EXACT, progress)
+    pub fn new(field: &'a HeightField, optics: &'a Optics, progress: Progress<'_>) -> Result<Self> {
+        Self::with_sampling(field, optics, ColourSampling::EXACT, progress)
     }
 
-    /// Makes the reference of `field` under `shading`; the colours of the mean are summed by `sampling`.
+    /// Makes the reference of `field` under `optics`; the colours of the mean are summed by `sampling`.
     ///
     /// # Errors
     /// Same as [`PixelReference::new`].
     pub fn with_sampling(
         field: &'a HeightField,
-        shading: &'a Shading,
+        optics: &'a Optics,
         sampling: ColourSampling,
         progress: Progress<'_>,
     ) -> Result<Self> {
-        let by = match (shading.windows, shading.coherence.sigma()) {
+        let by = match (optics.windows, optics.coherence.sigma()) {
             (Windows::All, Some(sigma)) => {
-                let mean = MeanBrdf {
-                    field,
-                    sigma,
-                    beyond: shading.beyond,
-                    reflectance: shading.reflectance.clone(),
-                };
+                let mean =
+                    MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
                 By::Mean(Box::new(TabulatedMean::with_sampling(mean, SHORTEST, sampling, progress)?))
             }
             (windows, _) => {
                 let windows = windows.grid().unwrap_or([1, 1]);
-                By::Windows(Reference::new(field, shading.coherence, windows, shading.reflectance.clone()))
+                By::Windows(Reference::new(field, optics.coherence, windows, optics.reflectance.clone()))
             }
         };
-        Ok(Self { shading, by })
+        Ok(Self { optics, by })
     }
 
     /// Makes the reference of an object that does not diffract.
-    pub fn of_pigment(shading: &'a Shading) -> Self {
-        Self { shading, by: By::Nothing }
+    pub fn of_pigment(optics: &'a Optics) -> Self {
+        Self { optics, by: By::Nothing }
     }
 
     /// Returns the linear sRGB colours of the pixels with the numbers `pixels`. The mean is averaged over the
@@ -128,7 +124,7 @@ impl<'a> PixelReference<'a> {
         let mut colors = vec![DVec3::ZERO; pixels.len()];
         let lights = directions.len();
         for (number, seen) in directions.iter().enumerate() {
-            let illuminant = view.illuminant(seen.light_number).unwrap_or(&self.shading.illuminant);
+            let illuminant = view.illuminant(seen.light_number).unwrap_or(&self.optics.illuminant);
             let pair = |i: usize| Pair::new(unit(seen.light[i]), unit(seen.view[i]));
             let asked: Vec<(Pair, Covariance)> =
                 pixels.iter().map(|&i| (pair(i), seen.covariance(i))).collect();
@@ -142,7 +138,7 @@ impl<'a> PixelReference<'a> {
                 if !pair.above_horizon() {
                     continue;
                 }
-                let reflectance = self.shading.reflectance.kept_from_pigment(pair.cos_half_angle());
+                let reflectance = self.optics.reflectance.kept_from_pigment(pair.cos_half_angle());
                 let pigmented =
                     white * view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
                 *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance(i) * PI;
@@ -172,7 +168,7 @@ impl<'a> PixelReference<'a> {
     /// # Errors
     /// Fails if the colour needs too many wavelengths.
     pub fn xyz(&self, pair: &Pair, illuminant: Option<&Illuminant>) -> Result<DVec3> {
-        let illuminant = illuminant.unwrap_or(&self.shading.illuminant);
+        let illuminant = illuminant.unwrap_or(&self.optics.illuminant);
         let weighted = match &self.by {
             By::Mean(mean) => {
                 let asked = [(*pair, Covariance::default())];
@@ -213,7 +209,7 @@ impl<'a> PixelReference<'a> {
             return;
         }
         let views: Vec<DVec3> = pixels.iter().map(|&i| unit(seen.view[i])).collect();
-        let sent = mean.mirrored(&self.shading.illuminant, &views);
+        let sent = mean.mirrored(&self.optics.illuminant, &views);
         for (color, (xyz, &i)) in colors.iter_mut().zip(sent.into_iter().zip(pixels)) {
             *color += xyz_to_linear_srgb(xyz) * DVec3::from(seen.mirrored[i].map(f64::from));
         }
@@ -272,7 +268,7 @@ pub struct ReferenceObject<'a> {
     /// Height field; `None` for an object that does not diffract.
     pub field: Option<&'a HeightField>,
     /// Settings of the optics.
-    pub shading: &'a Shading,
+    pub optics: &'a Optics,
     /// Albedo of the pigment, linear sRGB.
     pub base_color: Vec3,
 }
@@ -291,7 +287,7 @@ pub struct ReferenceSamples<'a> {
 impl ReferenceSamples<'_> {
     /// Returns the pixel number `pixel` and its eight neighbours, each with the weight in `weights` of its sample for
     /// the pixel. Reads outside the picture are clamped to its edge.
-    fn around(&self, pixel: usize, weights: &PixelWeights) -> [(usize, f64); 9] {
+    fn neighbours(&self, pixel: usize, weights: &PixelWeights) -> [(usize, f64); 9] {
         let [width, height] = self.size.map(|n| n as usize);
         let (x, y) = (pixel % width, pixel / width);
         let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
@@ -304,7 +300,7 @@ impl ReferenceSamples<'_> {
 
     /// Returns true if the sample of `pixel` has weight for a chosen pixel.
     fn counts(&self, pixel: usize, weights: &PixelWeights) -> bool {
-        self.around(pixel, weights).iter().any(|(other, weight)| *weight > 0.0 && (self.chosen)(*other))
+        self.neighbours(pixel, weights).iter().any(|(other, weight)| *weight > 0.0 && (self.chosen)(*other))
     }
 }
 
@@ -323,10 +319,10 @@ pub fn reference_mean(
     let sampling = samples.sampling;
     let count = sampling.count.max(1);
     let mut references = Vec::new();
-    for &ReferenceObject { field, shading, base_color } in objects {
+    for &ReferenceObject { field, optics, base_color } in objects {
         let reference = match field {
-            Some(field) => PixelReference::new(field, shading, progress)?,
-            None => PixelReference::of_pigment(shading),
+            Some(field) => PixelReference::new(field, optics, progress)?,
+            None => PixelReference::of_pigment(optics),
         };
         references.push((reference, View { base_color, ..view.clone() }));
     }
@@ -354,7 +350,7 @@ pub fn reference_mean(
         }
         for (pixel, sum) in sum.iter_mut().enumerate().filter(|(pixel, _)| (samples.chosen)(*pixel)) {
             *sum += samples
-                .around(pixel, &weights)
+                .neighbours(pixel, &weights)
                 .into_iter()
                 .map(|(from, weight)| sample[from] * weight)
                 .sum::<DVec4>();

@@ -13,10 +13,10 @@ use super::passes::light_directions::LightDirections;
 use super::passes::probe::{Probe, ProbePass};
 use super::passes::shade;
 use super::passes::shadow::ShadowPass;
-use super::shading::Shading;
 use super::source::Source;
 use super::target::{self, Target};
 use crate::error::{Error, Result};
+use crate::settings::Optics;
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
@@ -159,7 +159,7 @@ impl Renderer {
         if objects.is_empty() {
             return Err(Error::failed("there is no object", "report this as a bug of diffract"));
         }
-        let bind = |of: &'_ ObjectSource| of.source.bind(device, &of.shading);
+        let bind = |of: &'_ ObjectSource| of.source.bind(device, &of.optics);
         let mut sources = Vec::with_capacity(objects.len());
         for object in objects {
             sources.push(object.sources.all().map(bind).collect::<Result<Vec<_>>>()?);
@@ -175,7 +175,7 @@ impl Renderer {
         display.read_from(&target.radiance);
         let mut shadings = Shadings::new(settings.shadows);
         for (number, (own, bound)) in objects.iter().zip(sources).enumerate() {
-            let illuminants = own.sources.all().map(|of| &of.shading.illuminant);
+            let illuminants = own.sources.all().map(|of| &of.optics.illuminant);
             shadings.add(number, bound.into_iter().zip(illuminants), settings.specular_spread);
         }
         let upload = |object: &ObjectData<'_>| DeviceObject::new(device, object, &gbuffer);
@@ -259,12 +259,12 @@ impl Renderer {
         self.image_input = None;
     }
 
-    /// Sets the source of the first object and its shading, as [`Self::set_sources`].
+    /// Sets the source of the first object and its optics, as [`Self::set_sources`].
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn set_source(&mut self, source: &Source, shading: &Shading) -> Result<()> {
-        self.set_sources([&ObjectSources::new(source.clone(), shading.clone())])
+    pub fn set_source(&mut self, source: &Source, optics: &Optics) -> Result<()> {
+        self.set_sources([&ObjectSources::new(source.clone(), optics.clone())])
     }
 
     /// Sets the sources of the objects. Their large data must be uploaded already; only the parts that

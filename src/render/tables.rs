@@ -1,9 +1,9 @@
 //! Small tables that the shaders read in addition to the layers, computed in f64.
 
-use super::shading::Shading;
 use crate::optics::orders::ColourFunctions;
 use crate::optics::quadrature::{WavelengthSets, Wavelengths};
 use crate::optics::spectrum::Illuminant;
+use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 
 /// Bins of |(u, v)| over 0 … 2 for the choice of wavelengths; `UV_BINS` of `shaders/source_window.glsl`.
@@ -28,12 +28,12 @@ pub struct WavelengthTexture {
 }
 
 impl WavelengthTexture {
-    /// Returns the wavelengths for colours from `layers` under `shading`.
-    pub fn of(layers: &Layers, shading: &Shading) -> Self {
-        let illuminant = &shading.illuminant;
-        let sets = match shading.wavelengths {
+    /// Returns the wavelengths for colours from `layers` under `optics`.
+    pub fn of(layers: &Layers, optics: &Optics) -> Self {
+        let illuminant = &optics.illuminant;
+        let sets = match optics.wavelengths {
             Some(count) => WavelengthSets::only(Wavelengths::catmull_rom(illuminant, count)),
-            None => WavelengthSets::gaussian(illuminant, layers.sigma, shading.budget().window.wavelengths),
+            None => WavelengthSets::gaussian(illuminant, layers.sigma, optics.budget().window.wavelengths),
         };
         Self::new(&sets)
     }

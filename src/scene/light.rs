@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A light of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,16 +15,7 @@ pub struct Light {
     /// Emitter.
     pub emitter: Emitter,
     /// Spectrum; `None`: that of the scene's illuminant.
-    pub spectrum: Option<LightSpectrum>,
-}
-
-/// Spectrum of a light, and its name or file.
-#[derive(Clone, PartialEq)]
-pub struct LightSpectrum {
-    /// Name of a built-in illuminant, or of a file.
-    name: String,
-    /// The illuminant.
-    pub illuminant: Illuminant,
+    pub spectrum: Option<Illuminant>,
 }
 
 /// Emitter of a light: its position and shape, without a spectrum.
@@ -52,7 +43,7 @@ impl Light {
     /// See [`Self::parse`].
     pub fn parse_in(text: &str, folder: &Path) -> Result<Self> {
         let (emitter, spectrum) = match text.split_once('@') {
-            Some((emitter, name)) => (emitter, Some(LightSpectrum::named(name.trim(), folder, text)?)),
+            Some((emitter, name)) => (emitter, Some(illuminant(name.trim(), folder, text)?)),
             None => (text, None),
         };
         Ok(Self { emitter: Emitter::parse(emitter)?, spectrum })
@@ -70,14 +61,13 @@ impl Light {
 
     /// Returns the light's illuminant; `None`: that of the scene.
     pub fn illuminant(&self) -> Option<&Illuminant> {
-        self.spectrum.as_ref().map(|spectrum| &spectrum.illuminant)
+        self.spectrum.as_ref()
     }
 
     /// Returns the light, without its spectrum if none of `others` has the same illuminant.
     #[must_use]
     pub fn known_to(&self, others: &[Self]) -> Self {
-        let is_known =
-            |own: &&LightSpectrum| others.iter().any(|other| other.illuminant() == Some(&own.illuminant));
+        let is_known = |own: &&Illuminant| others.iter().any(|other| other.illuminant() == Some(*own));
         Self { emitter: self.emitter, spectrum: self.spectrum.as_ref().filter(is_known).cloned() }
     }
 
@@ -94,54 +84,29 @@ impl Light {
     pub fn to_text(&self, name: impl FnOnce(&Path) -> Result<String>) -> Result<String> {
         let name = match &self.spectrum {
             None => return Ok(self.emitter.to_string()),
-            Some(spectrum) => spectrum.file().map_or(Ok(spectrum.name.clone()), |file| name(&file))?,
+            Some(spectrum) => spectrum.file().map_or(Ok(spectrum.name().into_owned()), name)?,
         };
         Ok(format!("{}@{name}", self.emitter))
     }
 }
 
-impl LightSpectrum {
-    /// Returns the illuminant of that name, or the file of that name in `folder`. The error names the `light`.
-    fn named(name: &str, folder: &Path, light: &str) -> Result<Self> {
-        if name.is_empty() {
-            return Err(Error::usage(
-                format!("the light '{light}' names no spectrum"),
-                "write the name of an illuminant or of a CSV file behind @, as in sun:30,90@a",
-            ));
-        }
-        if let Some(spectrum) = Self::built_in(name) {
-            return Ok(spectrum);
-        }
-        let file = folder.join(name);
-        let illuminant = Illuminant::from_name_or_file(&file)?;
-        let name = file.to_str().map(str::to_owned).ok_or_else(|| {
-            Error::failed(format!("the name {} is not UTF-8", file.display()), "rename the file")
-        })?;
-        Ok(Self { name, illuminant })
+/// Returns the illuminant of that name, or the file of that name in `folder`. The error names the `light`.
+fn illuminant(name: &str, folder: &Path, light: &str) -> Result<Illuminant> {
+    if name.is_empty() {
+        return Err(Error::usage(
+            format!("the light '{light}' names no spectrum"),
+            "write the name of an illuminant or of a CSV file behind @, as in sun:30,90@a",
+        ));
     }
-
-    /// Returns the built-in illuminant of that name.
-    pub fn built_in(name: &str) -> Option<Self> {
-        let illuminant = Illuminant::built_in(name)?;
-        Some(Self { name: name.to_ascii_lowercase(), illuminant })
+    if let Some(built_in) = Illuminant::built_in(name) {
+        return Ok(built_in);
     }
-
-    /// Returns the name of the illuminant or of its file.
-    pub fn name(&self) -> &str {
-        &self.name
+    let file = folder.join(name);
+    let illuminant = Illuminant::from_name_or_file(&file)?;
+    if file.to_str().is_none() {
+        return Err(Error::failed(format!("the name {} is not UTF-8", file.display()), "rename the file"));
     }
-
-    /// Returns the file; `None` for a built-in illuminant.
-    pub fn file(&self) -> Option<PathBuf> {
-        (!Illuminant::is_built_in(&self.name)).then(|| self.name.clone().into())
-    }
-}
-
-impl fmt::Debug for LightSpectrum {
-    /// Writes the illuminant, wherever it is from.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.illuminant.fmt(f)
-    }
+    Ok(illuminant)
 }
 
 impl Emitter {
@@ -216,7 +181,7 @@ impl From<Lamp> for Emitter {
 impl fmt::Display for Light {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.emitter.fmt(f)?;
-        self.spectrum.as_ref().map_or(Ok(()), |spectrum| write!(f, "@{}", spectrum.name))
+        self.spectrum.as_ref().map_or(Ok(()), |spectrum| write!(f, "@{}", spectrum.name()))
     }
 }
 
@@ -250,8 +215,8 @@ mod tests {
         std::fs::write(folder.path().join("lamp@home.csv"), "400,1\n700,2\n").unwrap();
         let light = Light::parse_in("30,90,1@lamp@home.csv", folder.path()).unwrap();
         let spectrum = light.spectrum.as_ref().unwrap();
-        assert_eq!(spectrum.illuminant, Illuminant::from_text("400,1\n700,2\n").unwrap());
-        assert_eq!(spectrum.file(), Some(folder.path().join("lamp@home.csv")));
+        assert_eq!(*spectrum, Illuminant::from_text("400,1\n700,2\n").unwrap());
+        assert_eq!(spectrum.file(), Some(&*folder.path().join("lamp@home.csv")));
         assert_eq!(Light::parse(&light.to_string()).unwrap(), light);
         let named = |path: &Path| Ok(path.file_name().unwrap().to_str().unwrap().to_owned());
         assert_eq!(light.to_text(named).unwrap(), "30,90,1@lamp@home.csv");

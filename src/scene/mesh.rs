@@ -159,7 +159,7 @@ impl Mesh {
 
 impl Bounds {
     /// Returns a sphere around all of `meshes`.
-    pub fn around(meshes: &[&Mesh]) -> Self {
+    pub fn enclosing(meshes: &[&Mesh]) -> Self {
         match meshes {
             [one] => one.bounds,
             several => Self::of(several.iter().flat_map(|mesh| mesh.vertices())),

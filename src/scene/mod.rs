@@ -1,8 +1,8 @@
 //! The scene: meshes with tangent frames, camera, lights, scene files.
 
-pub mod background;
 pub mod camera;
 pub mod corner;
+pub mod display_settings;
 pub mod environment;
 mod environment_cells;
 pub mod far_light;
@@ -22,9 +22,9 @@ mod scene_writer;
 pub mod snake;
 mod tangents;
 
-pub use background::Background;
 pub use camera::Camera;
 pub use corner::Corner;
+pub use display_settings::{Background, DisplaySettings};
 pub use environment::Environment;
 pub use far_light::FarLight;
 pub use incident::Incident;

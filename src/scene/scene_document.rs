@@ -1,6 +1,6 @@
 //! The document of a scene file: its keys and their forms, read and written by one definition.
 
-use super::background::Background;
+use super::display_settings::Background;
 use super::object::Up;
 use super::scene_options::FileOptions;
 use crate::optics::color::Tone;

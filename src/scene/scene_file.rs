@@ -1,7 +1,7 @@
 //! Scene files: TOML, with the built-in scenes as examples (`assets/scenes`).
 
-use super::background::Background;
 use super::camera::Camera;
+use super::display_settings::DisplaySettings;
 use super::environment::{self, Environment, Placement};
 use super::light::Light;
 use super::mesh::Bounds;
@@ -14,7 +14,6 @@ use super::scene_options::{self, FileOptions};
 use super::{Mesh, Progress};
 use crate::error::{Error, Result};
 use crate::input;
-use crate::optics::color::Tone;
 use crate::surface::SurfaceSource;
 use crate::surface::synth::SurfaceKind;
 use crate::units;
@@ -51,14 +50,8 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// True if objects cast shadows on each other and on themselves.
     pub shadows: bool,
-    /// Exposure of the display \[stops\].
-    pub exposure: f64,
-    /// True if the exposure is measured from the first picture; `exposure` is used for a picture without light.
-    pub auto_exposure: bool,
-    /// Tone curve of the display.
-    pub tone: Tone,
-    /// Background of the pixels that no mesh covers.
-    pub background: Background,
+    /// Display of the radiance.
+    pub display: DisplaySettings,
     /// Length of one unit of the scene's coordinates \[m\].
     pub unit: f64,
     /// Options of the program that draws the scene, by name, with their values: parameters of the computation. They are not checked yet.
@@ -202,7 +195,7 @@ impl Scene {
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
-        let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file());
+        let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file().map(PathBuf::from));
         let (objects, standing_bounds) = objects(file.main_object(), file.objects, ground, folder, progress)?;
         Ok(Self {
             files: objects.iter().flat_map(Object::files).chain(environment_file).chain(spectra).collect(),
@@ -213,10 +206,12 @@ impl Scene {
             lights,
             environment: file.environment.as_ref().map(|e| e.open(folder)).transpose()?,
             shadows: file.shadows,
-            exposure: file.exposure.stops,
-            auto_exposure: file.exposure.is_auto,
-            tone: file.tone.0,
-            background: file.background,
+            display: DisplaySettings {
+                exposure: file.exposure.stops,
+                auto_exposure: file.exposure.is_auto,
+                tone: file.tone.0,
+                background: file.background,
+            },
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })
     }
@@ -286,7 +281,7 @@ fn objects(
         objects.push(object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))?);
     }
     let meshes: Vec<&Mesh> = objects.iter().map(|object| &object.mesh).collect();
-    let bounds = Bounds::around(&meshes);
+    let bounds = Bounds::enclosing(&meshes);
     if let Some(color) = ground {
         let lowest =
             |mesh: &Mesh| mesh.vertices().iter().map(|v| v.position[2]).fold(f32::INFINITY, f32::min);
@@ -334,6 +329,8 @@ pub fn options_of(name: &OsStr) -> Result<Vec<[String; 2]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::color::Tone;
+    use crate::scene::Background;
 
     #[test]
     fn an_exposure_is_a_number_or_auto() {
@@ -342,8 +339,9 @@ mod tests {
             let rest: Vec<&str> = plate.lines().filter(|line| !line.starts_with("exposure")).collect();
             Scene::parse(&format!("exposure = {exposure}\n{}", rest.join("\n")), Path::new(""))
         };
-        let read =
-            |exposure: &str| with(exposure).map(|scene| (scene.exposure, scene.auto_exposure)).unwrap();
+        let read = |exposure: &str| {
+            with(exposure).map(|scene| (scene.display.exposure, scene.display.auto_exposure)).unwrap()
+        };
         assert_eq!([read("2"), read("-1.5"), read("\"auto\"")], [(2.0, false), (-1.5, false), (0.0, true)]);
         for wrong in ["\"Auto\"", "true", "[1]", "41", "1e300"] {
             let e = with(wrong).map(|_| ()).unwrap_err().to_string();
@@ -359,6 +357,32 @@ mod tests {
         }
         let plate = Scene::open("plate").unwrap();
         assert_eq!(plate.main_object().mesh.vertices()[0].normal, [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn the_scenes_of_the_project_and_of_its_documents_are_read() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let texts = |folder: &str, extension: &str| -> Vec<String> {
+            let files = std::fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
+            let files = files.filter(|file| file.extension().is_some_and(|e| e == extension));
+            files.map(|file| std::fs::read_to_string(file).unwrap()).collect()
+        };
+        // Scenes that a command of a document writes.
+        let written = |document: String| -> Vec<String> {
+            let scenes = document.split(".toml <<'END'\n").skip(1);
+            scenes.map(|rest| rest.split("\nEND\n").next().unwrap_or_default().to_owned()).collect()
+        };
+        let mut scenes = texts("assets/scenes", "toml");
+        let (files, documents) = (scenes.len(), texts("docs", "md").into_iter().flat_map(written));
+        scenes.extend(documents);
+        assert!(files >= BUILT_IN.len() && scenes.len() >= files + 4, "{files} of {} scenes", scenes.len());
+        for scene in scenes {
+            // The meshes of documents are made by their commands.
+            let is_of_file = |line: &&str| line.starts_with("mesh = ") && line.contains(".obj\"");
+            let own = scene.lines().find(is_of_file).map(str::to_owned);
+            let text = own.map_or(scene.clone(), |line| scene.replace(&line, "mesh = \"plate\""));
+            Scene::parse(&text, Path::new("")).unwrap_or_else(|e| panic!("{e} in\n{scene}"));
+        }
     }
 
     #[test]
@@ -397,7 +421,7 @@ mod tests {
     fn a_scene_stands_before_a_colour_or_before_its_surroundings() {
         let plate = BUILT_IN[1].1;
         let scene = |line: &str| Scene::parse(&format!("{line}\n{plate}"), Path::new(""));
-        let background = |line: &str| scene(line).unwrap().background;
+        let background = |line: &str| scene(line).unwrap().display.background;
         assert_eq!(background(""), Background::default());
         assert_eq!(
             background("background = [0.1, 0.2, 0.3]"),
@@ -412,7 +436,8 @@ mod tests {
     #[test]
     fn a_scene_names_a_tone_or_has_none() {
         let plate = BUILT_IN[1].1;
-        let tone = |line: &str| Scene::parse(&format!("{line}\n{plate}"), Path::new("")).map(|s| s.tone);
+        let tone =
+            |line: &str| Scene::parse(&format!("{line}\n{plate}"), Path::new("")).map(|s| s.display.tone);
         assert_eq!(tone("").unwrap(), Tone::None);
         assert_eq!(tone("tone = \"none\"").unwrap(), Tone::None);
         assert_eq!(tone("tone = \"neutral\"").unwrap(), Tone::Neutral);

@@ -101,9 +101,9 @@ impl Scene {
             material: main.material,
             film: main.film,
             ground: ground.first().map(|ground| Triple(ground.base_color.to_array())),
-            exposure: SceneExposure { stops: self.exposure, is_auto: self.auto_exposure },
-            tone: ToneName(self.tone),
-            background: self.background,
+            exposure: SceneExposure { stops: self.display.exposure, is_auto: self.display.auto_exposure },
+            tone: ToneName(self.display.tone),
+            background: self.display.background,
             shadows: self.shadows,
             lights: self.lights.iter().map(|light| light.to_text(path)).collect::<Result<_>>()?,
             environment: self
@@ -239,8 +239,8 @@ mod tests {
             ..SurfaceSource::built_in(SurfaceKind::Flat)
         });
         object.base_color = Vec3::new(0.1, 0.7, 0.3);
-        (scene.exposure, scene.tone) = (-1.5, Tone::Neutral);
-        scene.background = Background::Color(glam::DVec3::new(0.25, 0.5, 1.0));
+        (scene.display.exposure, scene.display.tone) = (-1.5, Tone::Neutral);
+        scene.display.background = Background::Color(glam::DVec3::new(0.25, 0.5, 1.0));
         scene.lights = ["sun:30,-40,2.5@led", "sphere:0.1:0.2,0.3,1,60W@lamp.csv"]
             .map(|light| Light::parse_in(light, folder.path()).unwrap())
             .to_vec();
@@ -334,7 +334,7 @@ mod tests {
         let written = scene.to_toml(folder.path()).unwrap();
         let again = read(&written, folder.path());
         assert!(again == scene, "{written}");
-        assert!(again.auto_exposure && again.objects.len() == 4, "{written}");
+        assert!(again.display.auto_exposure && again.objects.len() == 4, "{written}");
         let moved = written.replace("position = [0.1,", "position = [0.2,");
         assert!(moved != written && read(&moved, folder.path()) != scene, "{written}");
     }

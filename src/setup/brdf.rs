@@ -1,13 +1,13 @@
 //! BRDF of a height field by the chosen method.
 
-use super::{InUse, Method, Progress, Settings, check, source};
+use super::{InUse, Progress, SourceSettings, source};
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::{Brdf, DirectSum, MeanFromOrders, MeanReference};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
 use crate::optics::reference::Reference;
 use crate::render::device_brdf::DeviceBrdf;
-use crate::render::shading::Shading;
+use crate::settings::{Method, Optics};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use std::sync::Arc;
@@ -23,44 +23,44 @@ const CACHED_WINDOWS: u32 = 16;
 /// Same as [`source`], or the error of `ask`.
 pub fn for_each_window(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     device: &dyn Fn() -> Result<Arc<Device>>,
     progress: &Progress<'_>,
     note: &dyn Fn(&Error),
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
-    let shading = &settings.shading;
-    check(settings)?;
-    let illuminant = &shading.illuminant;
+    let optics = &settings.optics;
+    optics.check()?;
+    let illuminant = &optics.illuminant;
     let mean = || -> Result<MeanBrdf<'_>> {
         let sigma = settings.power_sigma()?;
-        Ok(MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() })
+        Ok(MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() })
     };
-    match (settings.method, shading.windows) {
+    match (optics.method, optics.windows) {
         (Method::Reference, Windows::All) => {
             return ask(&mut MeanReference::new(mean()?, illuminant, settings.shortest), 1.0);
         }
         (Method::Reference, Windows::Grid(windows)) => {
-            let reference = Reference::new(field, shading.coherence, windows, shading.reflectance.clone());
+            let reference = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
             return ask(&mut DirectSum { reference, illuminant }, 1.0);
         }
         (Method::Spectral, Windows::All) => {
-            return ask(&mut MeanFromOrders::new(mean()?, illuminant, shading.tolerance), 1.0);
+            return ask(&mut MeanFromOrders::new(mean()?, illuminant, optics.tolerance), 1.0);
         }
         _ => {}
     }
     let device = device()?;
     // Colour tables contain the average.
-    let [n, m] = shading.windows.grid().unwrap_or([1, 1]);
-    let one = match shading.windows {
-        Windows::Grid(_) => Shading { windows: Windows::ONE, ..shading.clone() },
-        Windows::All => shading.clone(),
+    let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
+    let one = match optics.windows {
+        Windows::Grid(_) => Optics { windows: Windows::ONE, ..optics.clone() },
+        Windows::All => optics.clone(),
     };
     let patch = field.patch_size();
     for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
         let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
         let cached = n * m <= CACHED_WINDOWS;
-        let settings = Settings { shading: one.clone(), shift, cached, ..settings.clone() };
+        let settings = SourceSettings { optics: one.clone(), shift, cached, ..settings.clone() };
         let made = source(field, &settings, device.candidate(), &mut InUse::default(), progress)?;
         if let Some(error) = &made.note {
             note(error);

@@ -15,46 +15,20 @@ use crate::filter::FootprintSizes;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::orders::Repeats;
 use crate::optics::spectrum::{MIDDLE, SHORTEST};
-use crate::render::shading::Shading;
 use crate::render::source::{Grating, Source, Table};
-use crate::spectra::amplitude::{self, Layers, compute_at};
+use crate::settings::{Method, Optics};
+use crate::spectra::amplitude::{self, LayerSettings, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, tiling};
 use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
 
-/// Method of computing the optics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Sum over wavelengths: of one window or a finite grating on the device, of the mean for single directions on the
-    /// CPU.
-    #[default]
-    Spectral,
-    /// Colour table of the mean, read on the device.
-    Table,
-    /// F64 reference, on the CPU.
-    Reference,
-}
-
-impl Method {
-    /// Returns the name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Spectral => "spectral",
-            Self::Table => "table",
-            Self::Reference => "reference",
-        }
-    }
-}
-
 /// Settings that determine a source, in addition to the height field.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Method.
-    pub method: Method,
+pub struct SourceSettings {
     /// Settings of the optics.
-    pub shading: Shading,
+    pub optics: Optics,
     /// Shortest wavelength that is evaluated \[µm\].
     pub shortest: f64,
     /// Offset of the window's centre from that of the patch \[µm\].
@@ -65,12 +39,11 @@ pub struct Settings {
     pub footprints: FootprintSizes,
 }
 
-impl Settings {
+impl SourceSettings {
     /// Returns settings for colours, with the window at the centre of the patch.
-    pub fn new(method: Method, shading: Shading) -> Self {
+    pub fn new(optics: Optics) -> Self {
         Self {
-            method,
-            shading,
+            optics,
             shortest: SHORTEST,
             shift: [0.0; 2],
             cached: true,
@@ -90,8 +63,6 @@ pub struct Made {
     /// Note for the user.
     pub note: Option<Error>,
 }
-
-pub use crate::table::LEAST_TOLERANCE as LEAST_TABLE_TOLERANCE;
 
 /// Data in use elsewhere, for requests that share it, and the series of the last table.
 #[derive(Default)]
@@ -150,14 +121,14 @@ type Known<T> = Vec<(Key, Weak<T>)>;
 /// with the error of `progress`.
 pub fn source(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<Made> {
-    let shading = &settings.shading;
-    check(settings)?;
-    match (settings.method, shading.coherence) {
+    let optics = &settings.optics;
+    optics.check()?;
+    match (optics.method, optics.coherence) {
         (Method::Reference, _) => Err(Error::usage(
             "the f64 reference has no device to shade on",
             [Remedy::SpectralMethod, Remedy::TableMethod],
@@ -171,11 +142,10 @@ pub fn source(
             Ok(Made { source: Source::window(layers), note })
         }
         (Method::Spectral, Coherence::Repeats(copies)) => {
-            shading.check_wavelengths()?;
             let repeats = Repeats { copies, period: field.patch_size() };
             // Shifting a grating is equivalent to shifting the surface.
             let begun = field.begun_at(settings.shift);
-            let settings = Settings { shift: [0.0; 2], ..settings.clone() };
+            let settings = SourceSettings { shift: [0.0; 2], ..settings.clone() };
             let (layers, note) = layers(&begun, &settings, f64::INFINITY, limits, in_use, progress)?;
             Ok(Made { source: Source::Grating(Grating { layers, repeats }), note })
         }
@@ -186,13 +156,13 @@ pub fn source(
 /// infinite.
 fn layers(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     sigma: f64,
     limits: &Candidate,
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<(Arc<Layers>, Option<Error>)> {
-    let own = settings.shading.windowed_settings(sigma, settings.shortest, limits)?;
+    let own = layer_settings(&settings.optics, sigma, settings.shortest, limits)?;
     let key = amplitude::cache::key(field, &own, settings.shift)?;
     let wanted = Wanted {
         key,
@@ -208,7 +178,7 @@ fn layers(
 /// Returns the colour table of the mean.
 fn table(
     field: &HeightField,
-    settings: &Settings,
+    settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
     progress: &Progress<'_>,
@@ -248,7 +218,7 @@ impl Wanted {
         known: impl Fn(&mut InUse) -> &mut Known<T>,
         make: impl FnOnce(&mut InUse) -> Result<T>,
     ) -> Result<(Arc<T>, Option<Error>)> {
-        if let Some(data) = find(known(in_use), &self.key) {
+        if let Some(data) = in_use_of(known(in_use), &self.key) {
             return Ok((data, None));
         }
         let store = if self.cached { Store::open() } else { None };
@@ -284,59 +254,49 @@ pub fn beyond_of(field: &HeightField) -> Beyond {
 }
 
 /// Returns true if the source of `settings` averages over the footprints of pixels.
-pub fn averages_footprints(settings: &Settings) -> bool {
-    settings.method == Method::Table
+pub fn averages_footprints(settings: &SourceSettings) -> bool {
+    settings.optics.method == Method::Table
 }
 
-/// Checks that the combination of settings is supported.
+/// Returns the memory for a source on a device with these `limits`; pictures and the rest share the remainder.
+fn memory_limit(limits: &Candidate) -> usize {
+    /// Fraction of the device's memory.
+    const DEVICE_SHARE: f64 = 0.75;
+    (limits.memory as f64 * DEVICE_SHARE) as usize
+}
+
+/// Returns the settings of layers for wavelengths from `shortest` \[µm\] on a device with these `limits`, for a Gaussian
+/// window of standard deviation `sigma` \[µm\], or for one period if `sigma` is infinite.
 ///
 /// # Errors
-/// Fails with a remedy.
-pub fn check(settings: &Settings) -> Result<()> {
-    let shading = &settings.shading;
-    let gaussian = shading.coherence.sigma().is_some();
-    match (settings.method, shading.windows) {
-        (_, Windows::All) if !gaussian => Err(Error::usage(
-            "a finite grating stands at one place, and a mean over all windows is of Gaussian coherence",
-            [Remedy::OneWindow, Remedy::GaussianCoherence],
-        )),
-        (Method::Spectral, Windows::All) if shading.purpose == Purpose::Picture => Err(Error::usage(
-            "pictures of the mean over all windows are read from a colour table",
-            [Remedy::TableMethod, Remedy::OneWindow],
-        )),
-        (Method::Table, Windows::Grid(_)) => Err(Error::usage(
-            "a colour table holds the mean over all windows",
-            [Remedy::AllWindows, Remedy::SpectralMethod],
-        )),
-        (Method::Table, Windows::All) if shading.tolerance < LEAST_TABLE_TOLERANCE => Err(Error::usage(
-            format!(
-                "colours of a table err by about 1e-3 whatever the tolerance; the least that it keeps is {:e}",
-                LEAST_TABLE_TOLERANCE
-            ),
-            match shading.purpose {
-                Purpose::Directions => [Remedy::LargerTolerance, Remedy::SpectralMethod],
-                Purpose::Picture => [Remedy::LargerTolerance, Remedy::OneWindow],
-            },
-        )),
-        (_, Windows::All) if shading.terms.is_some() => Err(Error::usage(
-            "the number of terms is that of the expansion for one window",
-            [Remedy::OneWindow, Remedy::AutomaticTerms],
-        )),
-        _ => Ok(()),
+/// Fails if more than one window is to be averaged over.
+pub fn layer_settings(
+    optics: &Optics,
+    sigma: f64,
+    shortest: f64,
+    limits: &Candidate,
+) -> Result<LayerSettings> {
+    if optics.windows != Windows::ONE {
+        return Err(Error::usage(
+            "spectra through a window are of one window",
+            [Remedy::AllWindows, Remedy::OneWindow, Remedy::ReferenceMethod],
+        ));
     }
+    Ok(LayerSettings {
+        sigma,
+        shortest_wavelength: shortest,
+        budget: optics.budget().window,
+        basis: optics.basis,
+        terms: optics.terms,
+        memory_limit: memory_limit(limits),
+        side_limit: limits.max_side as usize,
+    })
 }
 
-impl Settings {
-    /// Fraction of the device's memory for a source; pictures and the rest share the remainder.
-    const DEVICE_SHARE: f64 = 0.75;
-
-    fn memory_limit(limits: &Candidate) -> usize {
-        (limits.memory as f64 * Self::DEVICE_SHARE) as usize
-    }
-
+impl SourceSettings {
     /// Returns the standard deviation of the coherence window of the mean \[µm\].
     fn power_sigma(&self) -> Result<f64> {
-        self.shading.coherence.sigma().ok_or_else(|| {
+        self.optics.coherence.sigma().ok_or_else(|| {
             Error::usage("the mean over all windows is of Gaussian coherence", Remedy::GaussianCoherence)
         })
     }
@@ -344,7 +304,7 @@ impl Settings {
     /// Returns the standard deviation of (u, v) due to coherence at the middle of the spectrum; `None` for finite
     /// gratings.
     fn coherence_spread(&self) -> Option<f64> {
-        let sigma = self.shading.coherence.sigma()?;
+        let sigma = self.optics.coherence.sigma()?;
         Some(MIDDLE * Blur::of_coherence(sigma).variance[0].sqrt())
     }
 
@@ -364,14 +324,14 @@ impl Settings {
         let FootprintSizes { shorter, longer } = self.footprints;
         let is_long =
             self.coherence_spread().is_some_and(|coherence| longer > LONG * coherence.hypot(shorter));
-        self.shading.budget_of_footprints(is_long && self.shading.purpose == Purpose::Picture)
+        self.optics.budget_of_footprints(is_long && self.optics.purpose == Purpose::Picture)
     }
 
     /// Returns the settings of the series of orders for a colour table.
     fn power_settings(&self) -> Result<PowerSettings> {
         Ok(PowerSettings {
             sigma: self.power_sigma()?,
-            beyond: self.shading.beyond,
+            beyond: self.optics.beyond,
             shortest: self.shortest,
             error: self.budget().mean.series,
         })
@@ -380,19 +340,19 @@ impl Settings {
     /// Returns the settings of the colour table.
     fn table_settings(&self, limits: &Candidate) -> TableSettings {
         TableSettings {
-            illuminant: self.shading.illuminant.clone(),
-            reflectance: Some(&self.shading.reflectance).filter(|r| r.is_spectral()).cloned(),
-            wavelengths: self.shading.wavelengths,
+            illuminant: self.optics.illuminant.clone(),
+            reflectance: Some(&self.optics.reflectance).filter(|r| r.is_spectral()).cloned(),
+            wavelengths: self.optics.wavelengths,
             budget: self.budget().mean,
             finest: self.finest(),
             side_limit: limits.max_side as usize,
-            memory_limit: Self::memory_limit(limits),
+            memory_limit: memory_limit(limits),
         }
     }
 }
 
 /// Returns the data with this `key`, and removes entries that are no longer in use.
-fn find<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
+fn in_use_of<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
     known.retain(|(_, data)| data.strong_count() > 0);
     known.iter().find(|(own, _)| own == key).and_then(|(_, data)| data.upgrade())
 }

@@ -1,6 +1,6 @@
 //! Pictures of a scene: the data shared by all views is prepared once, then each view is drawn.
 
-use super::{InUse, Method, Settings, averages_footprints, beyond_of, pigment_alone, source};
+use super::{InUse, SourceSettings, averages_footprints, beyond_of, pigment_alone, source};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Beyond;
 use crate::render::exposure;
@@ -9,9 +9,9 @@ use crate::render::frame::{Shown, View};
 use crate::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
 use crate::render::renderer::{Picture, Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
-use crate::render::shading::Shading;
 use crate::render::source::Source;
 use crate::scene::{Light, Mesh, Object, Scene};
+use crate::settings::{Method, Optics};
 use crate::spectra::power::OrderSeries;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
@@ -25,8 +25,8 @@ pub struct PictureSettings {
     pub size: [u32; 2],
     /// Samples of each pixel.
     pub sampling: Sampling,
-    /// Settings of the optics, with a method that runs on the device.
-    pub optics: Settings,
+    /// Settings of the first object's source, with a method that runs on the device.
+    pub source: SourceSettings,
 }
 
 impl PictureSettings {
@@ -36,30 +36,30 @@ impl PictureSettings {
         Self {
             size,
             sampling: Sampling { count: 16, seed: 1 },
-            optics: Settings::new(Method::Table, Shading::default().for_pictures()),
+            source: SourceSettings::new(Optics::default().for_pictures()),
         }
     }
 }
 
-/// Returns the scene's view under `shading`, with its pigment texture if it has one.
-pub fn own_view(scene: &Scene, shading: &Shading) -> View {
+/// Returns the scene's view under `optics`, with its pigment texture if it has one.
+pub fn own_view(scene: &Scene, optics: &Optics) -> View {
     View {
         pigment: scene.main_object().pigment.is_some(),
-        ..View::under(scene, &scene.lights, &shading.coherence)
+        ..View::under(scene, &scene.lights, &optics.coherence)
     }
 }
 
-/// Surface of an object and settings of its optics.
+/// Surface of an object and settings of its source.
 #[derive(Clone, Debug)]
 pub struct ObjectSurface {
     /// Height field; `None` for an object that does not diffract and shows its pigment alone.
     pub field: Option<Arc<HeightField>>,
-    /// Settings of the optics.
-    pub optics: Settings,
+    /// Settings of its source.
+    pub source: SourceSettings,
 }
 
 impl ObjectSurface {
-    /// Returns the surfaces of all objects of `scene`, the first of which has this `field` and these `optics`. The
+    /// Returns the surfaces of all objects of `scene`, the first of which has this `field` and these `settings`. The
     /// others differ in their height fields, which `load` reads, and in their reflectances.
     ///
     /// # Errors
@@ -67,47 +67,47 @@ impl ObjectSurface {
     pub fn of(
         scene: &Scene,
         field: &Arc<HeightField>,
-        optics: &Settings,
+        settings: &SourceSettings,
         load: &mut dyn FnMut(&SurfaceSource) -> Result<Arc<HeightField>>,
     ) -> Result<Vec<Self>> {
-        let first = Self { field: Some(field.clone()), optics: optics.clone() };
+        let first = Self { field: Some(field.clone()), source: settings.clone() };
         let other = |(number, object): (usize, &Object)| {
-            Self::of_object(object, optics, load).map_err(|e| e.at(format!("object {number}")))
+            Self::of_object(object, settings, load).map_err(|e| e.at(format!("object {number}")))
         };
         let others = scene.objects.iter().enumerate().skip(1).map(other).collect::<Result<Vec<_>>>()?;
         first.check_heights()?;
         Ok(std::iter::once(first).chain(others).collect())
     }
 
-    /// Returns the surface of an `object` after the first, with the `optics` of the first except for the parts that
+    /// Returns the surface of an `object` after the first, with the `settings` of the first except for the parts that
     /// depend on the object.
     fn of_object(
         object: &Object,
-        optics: &Settings,
+        settings: &SourceSettings,
         load: &mut dyn FnMut(&SurfaceSource) -> Result<Arc<HeightField>>,
     ) -> Result<Self> {
         let field = object.surface.as_ref().map(load).transpose()?;
-        let mut optics = optics.clone();
-        optics.shading.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
-        let polarisation = optics.shading.reflectance.polarisation();
-        optics.shading.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
-        let own = Self { field, optics };
+        let mut source = settings.clone();
+        source.optics.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
+        let polarisation = source.optics.reflectance.polarisation();
+        source.optics.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
+        let own = Self { field, source };
         own.check_heights()?;
         Ok(own)
     }
 
     /// Fails early for heights that no table supports.
     fn check_heights(&self) -> Result<()> {
-        match (&self.field, self.optics.method) {
+        match (&self.field, self.source.optics.method) {
             (Some(field), Method::Table) => {
-                super::check(&self.optics)?;
-                OrderSeries::check_heights(field, &self.optics.power_settings()?)
+                self.source.optics.check()?;
+                OrderSeries::check_heights(field, &self.source.power_settings()?)
             }
             _ => Ok(()),
         }
     }
 
-    /// Returns this surface with optics for the footprint sizes of `mesh` in `views`, of `size` pixels, if the source
+    /// Returns this surface with settings for the footprint sizes of `mesh` in `views`, of `size` pixels, if the source
     /// averages over footprints.
     ///
     /// # Errors
@@ -121,8 +121,8 @@ impl ObjectSurface {
         sampling: &Sampling,
     ) -> Result<Self> {
         let mut own = self.clone();
-        if self.field.is_some() && averages_footprints(&self.optics) {
-            own.optics.footprints = footprints::sizes(device, mesh, views, size, sampling)?;
+        if self.field.is_some() && averages_footprints(&self.source) {
+            own.source.footprints = footprints::sizes(device, mesh, views, size, sampling)?;
         }
         Ok(own)
     }
@@ -137,12 +137,12 @@ impl ObjectSurface {
         views: &[View],
         make: &mut dyn FnMut(&Self) -> Result<Source>,
     ) -> Result<ObjectSources> {
-        let mut sources = ObjectSources::new(make(self)?, self.optics.shading.clone());
+        let mut sources = ObjectSources::new(make(self)?, self.source.optics.clone());
         for illuminant in views.iter().flat_map(|view| view.lights.iter()).filter_map(Light::illuminant) {
-            if sources.all().all(|known| known.shading.illuminant != *illuminant) {
+            if sources.all().all(|known| known.optics.illuminant != *illuminant) {
                 let mut under = self.clone();
-                under.optics.shading.illuminant = illuminant.clone();
-                sources.under.push(ObjectSource { source: make(&under)?, shading: under.optics.shading });
+                under.source.optics.illuminant = illuminant.clone();
+                sources.under.push(ObjectSource { source: make(&under)?, optics: under.source.optics });
             }
         }
         Ok(sources)
@@ -159,7 +159,7 @@ pub struct PreparedScene<'a> {
 
 impl<'a> PreparedScene<'a> {
     /// Prepares the data that pictures of `scene` share; its objects have these `surfaces`. `make` makes the source of
-    /// each from optics with footprint sizes for all of `views`.
+    /// each from settings with footprint sizes for all of `views`.
     ///
     /// # Errors
     /// Fails if a picture cannot be read, if the device is lost or out of memory, or with the error of `make`.
@@ -190,13 +190,13 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Fails with the numbers and a remedy, or if the device is lost.
     pub fn check(&mut self, view: &View) -> Result<()> {
-        let shading = &self.settings.optics.shading;
-        if !self.source.has_limits(shading) {
+        let optics = &self.settings.source.optics;
+        if !self.source.has_limits(optics) {
             return Ok(());
         }
         let lights = 0..view.light_count();
         let seen = lights.map(|light| self.renderer.directions(view, light)).collect::<Result<Vec<_>>>()?;
-        self.source.check(shading, &seen)
+        self.source.check(optics, &seen)
     }
 
     /// Draws `view`, which must pass [`Self::check`]. Calls `progress` with the number of samples done after each; an
@@ -230,7 +230,7 @@ impl<'a> PreparedScene<'a> {
 }
 
 /// Draws `scene` with the surface `field` on `device`. The computed data is kept in the cache on disk if
-/// [`Settings::cached`] is set.
+/// [`SourceSettings::cached`] is set.
 ///
 /// # Errors
 /// Same as [`source`]; also fails if a pigment texture cannot be read, or if the device is lost or out of memory.
@@ -240,13 +240,13 @@ pub fn picture(
     field: &HeightField,
     settings: &PictureSettings,
 ) -> Result<Picture> {
-    let view = own_view(scene, &settings.optics.shading);
+    let view = own_view(scene, &settings.source.optics);
     let field = Arc::new(field.clone());
-    let surfaces = ObjectSurface::of(scene, &field, &settings.optics, &mut |s| s.load().map(Arc::new))?;
+    let surfaces = ObjectSurface::of(scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
     let mut in_use = InUse::default();
     let make = |surface: &ObjectSurface| match &surface.field {
         Some(field) => {
-            let made = source(field, &surface.optics, device.candidate(), &mut in_use, &|_, _, _| Ok(()))?;
+            let made = source(field, &surface.source, device.candidate(), &mut in_use, &|_, _, _| Ok(()))?;
             Ok(made.source)
         }
         None => Ok(pigment_alone()),

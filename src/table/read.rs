@@ -20,31 +20,31 @@ impl<'a> TableReader<'a> {
         Self { table }
     }
 
-    /// Returns the level to read over `around`, and the taps. The level is the coarsest one that averages over no more than the shorter
+    /// Returns the level to read over `footprint`, and the taps. The level is the coarsest one that averages over no more than the shorter
     /// axis, and taps average over the rest.
-    pub fn taps(&self, around: &Covariance) -> (usize, Taps) {
+    pub fn taps(&self, footprint: &Covariance) -> (usize, Taps) {
         let header = &self.table.header;
-        let [_, shorter] = around.axes();
+        let [_, shorter] = footprint.axes();
         let grid = &header.grid;
-        let own = shorter.max(grid.finest.powi(2)).max(filter::least_own(around, header.coherence_blur));
+        let own = shorter.max(grid.finest.powi(2)).max(filter::least_own(footprint, header.coherence_blur));
         let level = grid.level(own) as usize;
         let next = (level + 1 < grid.levels).then(|| grid.variance(level + 1));
         let levels = Levels { read: grid.variance(level), next, blur: header.coherence_blur };
-        (level, Taps::new(around, own, levels))
+        (level, Taps::new(footprint, own, levels))
     }
 
-    /// Returns XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `around`, on a surface that reflects by `reflectance`. A table that was
+    /// Returns XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `footprint`, on a surface that reflects by `reflectance`. A table that was
     /// baked for a spectral reflectance contains it, except for the mean in its header.
-    pub fn xyz(&self, pair: &Pair, reflectance: &Reflectance, around: &Covariance) -> DVec3 {
+    pub fn xyz(&self, pair: &Pair, reflectance: &Reflectance, footprint: &Covariance) -> DVec3 {
         if !pair.above_horizon() {
             return DVec3::ZERO;
         }
         let uvw = pair.uvw();
         let (toward, w) = (-uvw.truncate(), uvw.z.abs());
-        let (level, taps) = self.taps(around);
+        let (level, taps) = self.taps(footprint);
         let read = |tap: Tap| self.at(toward + tap.place, w, level + usize::from(tap.coarser)) * tap.weight;
         let sum: DVec3 = taps.each().map(read).sum();
-        let colour = sum * (w * w) + self.specular(toward, w, around);
+        let colour = sum * (w * w) + self.specular(toward, w, footprint);
         let cosine = pair.cos_half_angle();
         let mean = self.table.header.mean_reflectance.as_ref();
         let reflectance = mean.map_or_else(|| reflectance.at(MIDDLE, cosine), |mean| mean.at(cosine));
@@ -52,16 +52,16 @@ impl<'a> TableReader<'a> {
     }
 
     /// Returns the share of the specular order.
-    fn specular(&self, toward: DVec2, w: f64, around: &Covariance) -> DVec3 {
+    fn specular(&self, toward: DVec2, w: f64, footprint: &Covariance) -> DVec3 {
         let specular = &self.table.header.specular;
         let place = w / LARGEST_W * (SPECULAR_SAMPLES - 1) as f64;
         let sample = (place as usize).min(SPECULAR_SAMPLES - 2);
         let share = (place - sample as f64) as f32;
         let mut sum = DVec3::ZERO;
         for (variance, weights) in specular.variances.iter().zip(&specular.weights) {
-            let (xx, yy) = (variance + around.uu, variance + around.vv);
-            let det = xx * yy - around.uv * around.uv;
-            let r2 = (yy * toward.x * toward.x - 2.0 * around.uv * toward.x * toward.y
+            let (xx, yy) = (variance + footprint.uu, variance + footprint.vv);
+            let det = xx * yy - footprint.uv * footprint.uv;
+            let r2 = (yy * toward.x * toward.x - 2.0 * footprint.uv * toward.x * toward.y
                 + xx * toward.y * toward.y)
                 / det;
             let lobe = (-0.5 * r2).exp() / (2.0 * PI * det.sqrt());

@@ -115,19 +115,20 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
     let table = table(&series(&field, sigma, tolerance), tolerance, 0.0);
     let reader = TableReader::new(&table);
-    for around in [
+    for footprint in [
         Covariance::default(),
         Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 },
         Covariance { uu: 4e-4, uv: 3e-4, vv: 3e-4 },
         Covariance { uu: 1e-3, uv: -2e-3, vv: 5e-3 },
     ] {
         let pairs = pairs(300, 3);
-        let asked: Vec<_> = pairs.iter().map(|pair| (*pair, around)).collect();
+        let asked: Vec<_> = pairs.iter().map(|pair| (*pair, footprint)).collect();
         let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
-        let colours: Vec<DVec3> = pairs.iter().map(|pair| reader.xyz(pair, &IOR.into(), &around)).collect();
+        let colours: Vec<DVec3> =
+            pairs.iter().map(|pair| reader.xyz(pair, &IOR.into(), &footprint)).collect();
         let (l2, own) = errors(&colours, &exact);
-        eprintln!("{around:?}: L2 {l2:.1e}, own {own:.1e}");
-        assert!(l2 <= tolerance, "{around:?}: {l2}");
+        eprintln!("{footprint:?}: L2 {l2:.1e}, own {own:.1e}");
+        assert!(l2 <= tolerance, "{footprint:?}: {l2}");
     }
 }
 

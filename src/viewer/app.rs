@@ -2,7 +2,7 @@
 
 use super::event::Event;
 use super::start::Start;
-use super::window::ViewerWindow;
+use super::viewer_window::ViewerWindow;
 use crate::error::{Error, Remedy, Result};
 use crate::vk::instance::Instance;
 use std::sync::Arc;

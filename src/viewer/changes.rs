@@ -1,6 +1,6 @@
 //! Undo and redo of the user's settings.
 
-use super::settings::ViewSettings;
+use super::view_settings::ViewSettings;
 
 /// Settings before and after the present ones. A drag is one change.
 pub struct Changes {
@@ -84,7 +84,7 @@ impl Changes {
 
 #[cfg(test)]
 mod tests {
-    use super::super::settings::tests::settings;
+    use super::super::view_settings::tests::settings;
     use super::*;
 
     fn exposed(exposure: f64) -> ViewSettings {

@@ -1,9 +1,8 @@
 //! Comparison of the picture with another setting, shown right of the movable split.
 
-use super::settings::OpticsSettings;
 use crate::filter::FootprintSizes;
 use crate::optics::coherence::Windows;
-use crate::setup::LEAST_TABLE_TOLERANCE;
+use crate::settings::{LEAST_TABLE_TOLERANCE, Optics};
 use crate::spectra::amplitude::expansion::Basis;
 
 /// Mode of the comparison.
@@ -100,7 +99,7 @@ impl Compare {
 /// Returns the setting to compare with until the user changes it. For a colour table this is a table of three tenths of
 /// the tolerance: one of a tenth takes a gigabyte for the default scene. For one window it is a tenth of the tolerance
 /// with the most accurate basis.
-pub fn strict(own: &OpticsSettings) -> OpticsSettings {
+pub fn strict(own: &Optics) -> Optics {
     let (share, least) = if own.windows == Windows::All { (0.3, LEAST_TABLE_TOLERANCE) } else { (0.1, 1e-4) };
     optimal(own, (share * own.tolerance).max(least))
 }
@@ -111,29 +110,29 @@ pub fn strict(own: &OpticsSettings) -> OpticsSettings {
 pub const PREVIEWED: FootprintSizes = FootprintSizes { shorter: 0.016, longer: 0.06 };
 
 /// Returns the setting for the first colours of a picture; `None` if the given one is as fast to prepare.
-pub fn preview(own: &OpticsSettings) -> Option<OpticsSettings> {
+pub fn preview(own: &Optics) -> Option<Optics> {
     /// Accurate enough to recognise the colours, in a small fraction of the usual time.
     const TOLERANCE: f64 = 0.3;
     (own.tolerance < TOLERANCE).then(|| optimal(own, TOLERANCE))
 }
 
 /// Returns the setting for moving pictures: ten times the tolerance.
-pub fn coarse(own: &OpticsSettings) -> OpticsSettings {
+pub fn coarse(own: &Optics) -> Optics {
     optimal(own, loose(own))
 }
 
 /// Returns the factor on the tolerance of the sum over wavelengths in moving pictures; `None` if the setting is loose
 /// already.
-pub fn looser_colours(own: &OpticsSettings) -> Option<f64> {
+pub fn looser_colours(own: &Optics) -> Option<f64> {
     Some(loose(own) / own.tolerance).filter(|&factor| factor > 1.5)
 }
 
-fn loose(own: &OpticsSettings) -> f64 {
+fn loose(own: &Optics) -> f64 {
     (own.tolerance * 10.0).clamp(1e-1, 3e-1)
 }
 
-fn optimal(own: &OpticsSettings, tolerance: f64) -> OpticsSettings {
-    OpticsSettings { windows: own.windows, basis: Basis::Optimal, tolerance, terms: None, wavelengths: None }
+fn optimal(own: &Optics, tolerance: f64) -> Optics {
+    Optics { basis: Basis::Optimal, tolerance, terms: None, wavelengths: None, ..own.clone() }
 }
 
 #[cfg(test)]
@@ -166,12 +165,12 @@ mod tests {
     #[test]
     fn the_compared_setting_is_stricter_and_the_moving_picture_looser() {
         for tolerance in [1e-3, 1e-2, 5e-2] {
-            let own = OpticsSettings {
+            let own = Optics {
                 windows: Windows::ONE,
                 basis: Basis::Taylor,
                 tolerance,
                 terms: Some(5),
-                wavelengths: None,
+                ..Optics::default()
             };
             assert!(strict(&own).tolerance < tolerance && coarse(&own).tolerance > tolerance);
             let first = preview(&own).unwrap();

@@ -121,10 +121,10 @@ impl ErrorProbe {
 
 impl ProbeTask {
     fn errors(&self, progress: &dyn Fn(usize, usize) -> Result<()>) -> Result<PixelErrors> {
-        let (field, shading) = (&self.prepared.field, self.prepared.shading());
+        let (field, optics) = (&self.prepared.field, self.prepared.optics());
         let ProbeSamples { radiance, directions } = &self.samples;
         let pixels: Vec<usize> = (0..radiance.len()).collect();
-        let exact = reference_pixels(field, shading, &self.view, directions, &pixels, progress)?;
+        let exact = reference_pixels(field, optics, &self.view, directions, &pixels, progress)?;
         Ok(PixelErrors::of(radiance, &exact, self.exposure))
     }
 }

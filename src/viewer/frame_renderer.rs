@@ -153,7 +153,7 @@ impl FrameRenderer {
                     let drawn = self.draw(&request, queue, reply);
                     match drawn {
                         Ok(None) => queue.resume(request),
-                        Ok(Some(RenderReply::Drawn(_))) => go_on_with(request, queue),
+                        Ok(Some(RenderReply::Frame(_))) => go_on_with(request, queue),
                         _ => {}
                     }
                     drawn
@@ -243,7 +243,7 @@ impl FrameRenderer {
         // A newer request counts its picture; a job needs no count.
         let whole = request.quality == Quality::WHOLE && !superseded();
         let cost = if whole { self.count(request)? } else { None };
-        Ok(Some(RenderReply::Drawn(Box::new(RenderedFrame {
+        Ok(Some(RenderReply::Frame(Box::new(RenderedFrame {
             images: [left, right],
             sizes: [size; 2],
             quality: request.quality,
@@ -294,7 +294,7 @@ impl FrameRenderer {
         if samples < request.sampling.count {
             queue.refine(request);
         }
-        Ok(Some(RenderReply::Drawn(Box::new(frame))))
+        Ok(Some(RenderReply::Frame(Box::new(frame))))
     }
 
     /// Returns the image right of the split, of which `size` pixels are drawn: the picture of the other setting, or the
@@ -371,14 +371,14 @@ impl FrameRenderer {
         let Some(slot) = &mut self.own else { return Ok(None) };
         let pixels = size[0] as usize * size[1] as usize;
         let directions = error_probe::directions(&mut slot.renderer, &request.view)?;
-        let (source, shading) = (request.own.source(), request.own.shading());
+        let (source, optics) = (request.own.source(), request.own.optics());
         let counted = match source {
             // The mip level of a table depends on the distance between neighbouring pixels, so that all pixels are
             // needed.
             Source::Table(_) => directions,
             _ => error_probe::thinned(&directions, pixels),
         };
-        let cost = source.cost(shading, &counted);
+        let cost = source.cost(optics, &counted);
         let seen = counted.first().map_or(1, |d| d.view.len()).max(1);
         let cost = PictureCost {
             covered: cost.covered as f64 / seen as f64,
@@ -416,9 +416,9 @@ impl FrameRenderer {
                 }
                 let own = &request.own;
                 let note = || {
-                    let shading = own.shading();
-                    let colour = LightColour::Spectrum(&shading.illuminant);
-                    ScalarTheory::note(&own.field, &shading.reflectance, colour)
+                    let optics = own.optics();
+                    let colour = LightColour::Spectrum(&optics.illuminant);
+                    ScalarTheory::note(&own.field, &optics.reflectance, colour)
                 };
                 let scalar_theory =
                     own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
@@ -470,9 +470,9 @@ fn paint(
             return Ok(Some(FrameTime::default()));
         }
     }
-    if prepared.source().has_limits(prepared.shading()) {
+    if prepared.source().has_limits(prepared.optics()) {
         let directions = error_probe::directions(&mut slot.renderer, view)?;
-        prepared.source().check(prepared.shading(), &directions)?;
+        prepared.source().check(prepared.optics(), &directions)?;
     }
     slot.displayed = None;
     let start = Instant::now();

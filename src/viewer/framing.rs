@@ -11,7 +11,7 @@ const FILLED: f32 = 0.95;
 /// Aims `camera` at the centre of `meshes` without changing its direction, at a distance where a picture of `size`
 /// pixels shows all of them.
 pub fn whole(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
-    let aimed = Camera { target: Bounds::around(meshes).centre, ..camera };
+    let aimed = Camera { target: Bounds::enclosing(meshes).centre, ..camera };
     Camera { distance: distance(&aimed, meshes, size, FILLED), ..aimed }
 }
 

@@ -3,7 +3,7 @@
 use super::frame::LoadedScene;
 use super::inset::Inset;
 use super::model::Model;
-use super::settings::tests::settings;
+use super::view_settings::tests::settings;
 use super::{hemisphere, layout, style, text_dump};
 use egui::{Context, Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, RawInput, Rect, Vec2, vec2};
 use std::collections::HashSet;
@@ -118,7 +118,7 @@ impl Hand {
 
     /// Returns the position of `text`.
     #[track_caller]
-    pub fn find(&self, text: &str) -> Pos2 {
+    pub fn position_of(&self, text: &str) -> Pos2 {
         let found = self.all(text);
         found.first().unwrap_or_else(|| panic!("no `{text}` in {:#?}", self.texts)).rect.center()
     }
@@ -179,7 +179,7 @@ impl Hand {
     /// Clicks on `text`.
     #[track_caller]
     pub fn press(&mut self, text: &str) {
-        let at = self.find(text);
+        let at = self.position_of(text);
         self.click(at);
     }
 

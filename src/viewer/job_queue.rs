@@ -31,7 +31,7 @@ pub struct PixelRequest {
 /// Reply of the render thread.
 pub enum RenderReply {
     /// A frame is on the device.
-    Drawn(Box<RenderedFrame>),
+    Frame(Box<RenderedFrame>),
     /// Fraction of a picture that is drawn.
     Drawing(Side, f32),
     /// A frame of a moving scene was abandoned after this time \[ms\].

@@ -85,7 +85,7 @@ mod tests {
                 settings.surface.name = "scan.png".into();
             }
             _ => {
-                settings.coherence = Coherence::Repeats([3, 3]);
+                settings.optics.coherence = Coherence::Repeats([3, 3]);
                 settings.surface =
                     crate::surface::SurfaceSource::built_in(crate::surface::synth::SurfaceKind::Elaphe);
             }
@@ -116,14 +116,14 @@ mod tests {
         hand.key(Key::Escape);
         assert!(!hand.reads("optimal") && !hand.model.actions.close);
 
-        let beside = hand.find("base colour") + vec2(75.0, 0.0);
+        let beside = hand.position_of("base colour") + vec2(75.0, 0.0);
         hand.click(beside);
         assert!(egui::Popup::is_any_open(hand.context()), "the colours are open");
         hand.key(Key::Escape);
         assert!(!egui::Popup::is_any_open(hand.context()) && !hand.model.actions.close);
 
         let exposure = hand.model.settings.exposure;
-        let beside = hand.find("exposure") + vec2(95.0, 0.0);
+        let beside = hand.position_of("exposure") + vec2(95.0, 0.0);
         hand.click(beside);
         assert!(hand.model.visible.typing);
         hand.key(Key::Num9);
@@ -236,7 +236,7 @@ mod tests {
         for (button, tip) in
             [("Save  [S]", "PNG"), ("Reset  [R]", "at the start"), ("Keys  [F1]", "gestures")]
         {
-            hand.point(hand.find(button));
+            hand.point(hand.position_of(button));
             assert!(hand.says(tip), "{button}");
         }
     }
@@ -344,13 +344,13 @@ mod tests {
         hand.model.settings.exposure += 1.5;
         hand.model.settings.surroundings.rotation = 40.0;
         hand.rest();
-        hand.double_click(hand.find("surroundings"));
+        hand.double_click(hand.position_of("surroundings"));
         assert_eq!(hand.model.settings.surroundings, start.surroundings);
         assert_eq!(hand.model.settings.exposure, start.exposure + 1.5, "another setting stays");
-        hand.double_click(hand.find("exposure"));
+        hand.double_click(hand.position_of("exposure"));
         assert_eq!(hand.model.settings.exposure, start.exposure);
         assert_eq!(hand.model.settings, start);
-        hand.double_click(hand.find("exposure"));
+        hand.double_click(hand.position_of("exposure"));
         assert!(hand.model.settings == start, "nothing to reset");
         hand.key_held(Key::Z, Modifiers::COMMAND);
         assert_eq!(hand.model.settings.exposure, start.exposure + 1.5, "a reset can be undone");
@@ -367,13 +367,13 @@ mod tests {
     #[test]
     fn numbers_are_typed_with_units() {
         let mut hand = Hand::new(LARGE, 1.0);
-        let beside = hand.find("length") + vec2(95.0, 0.0);
+        let beside = hand.position_of("length") + vec2(95.0, 0.0);
         hand.click(beside);
         assert!(hand.model.visible.typing);
         hand.key_held(Key::A, Modifiers::COMMAND);
         hand.write("0.04mm");
         hand.key(Key::Enter);
-        assert_eq!(hand.model.settings.coherence, Coherence::Gaussian { length: 40.0 });
+        assert_eq!(hand.model.settings.optics.coherence, Coherence::Gaussian { length: 40.0 });
     }
 
     #[test]

@@ -40,23 +40,23 @@ mod presenter;
 mod quality;
 mod render_thread;
 mod save;
-mod settings;
 mod start;
 mod style;
 mod surface_pane;
 mod surface_window;
 mod text_dump;
-mod window;
+mod view_settings;
+mod viewer_window;
 mod worker;
 
 #[cfg(test)]
 mod hand;
 #[cfg(test)]
 pub(crate) use panel::rows::ALL as ROWS;
-#[cfg(test)]
-pub(crate) use settings::tests::settings as settings_of_a_plate;
-pub use settings::{OpticsSettings, ViewSettings, placement};
 pub use start::{CommandLine, LastView, Output, SceneFiles, Start};
+#[cfg(test)]
+pub(crate) use view_settings::tests::settings as settings_of_a_plate;
+pub use view_settings::{ViewSettings, placement};
 
 use crate::error::{Error, Remedy, Result};
 use crate::vk::instance::Instance;

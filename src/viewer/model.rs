@@ -12,13 +12,14 @@ use super::inset::InsetRequest;
 use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
 use super::quality::{Detail, Quality, QualityControl};
-use super::settings::{Needs, OpticsSettings, ViewSettings};
 use super::surface_pane::SurfacePane;
+use super::view_settings::{Needs, ViewSettings};
 use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
 use crate::scene::environment::Environment;
 use crate::scene::{Camera, FarLight};
+use crate::settings::Optics;
 use crate::surface::SurfaceSource;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -99,7 +100,7 @@ pub struct Comparison {
     /// Side that is shown alone, without a split.
     pub whole: Option<Side>,
     /// Other setting.
-    pub optics: OpticsSettings,
+    pub optics: Optics,
     /// Other surface; `None` for the same surface.
     pub surface: Option<SurfaceSource>,
     /// Other setting, ready to be drawn.
@@ -202,7 +203,7 @@ impl Sources {
     }
 
     /// Drops the data of moving pictures of `detail`.
-    pub fn forget(&mut self, detail: Detail) {
+    pub fn discard(&mut self, detail: Detail) {
         match detail {
             Detail::Full => {}
             Detail::Coarse => self.coarse = None,
@@ -487,7 +488,7 @@ impl Model {
         self.measures_exposure |= self.measured_exposure == Some(self.settings.exposure);
         let loaded = Arc::new(loaded);
         if !is_mesh {
-            self.measures_exposure |= loaded.scene.auto_exposure;
+            self.measures_exposure |= loaded.scene.display.auto_exposure;
             self.settings.change_scene(&self.brought.scene, &loaded.scene);
             self.brought = loaded.clone();
         }
@@ -632,7 +633,7 @@ fn environment_note(loaded: &LoadedScene) -> Option<String> {
 mod tests {
     use super::*;
     use crate::scene::Scene;
-    use crate::viewer::settings::tests::settings;
+    use crate::viewer::view_settings::tests::settings;
 
     fn model() -> Model {
         let (settings, scene) = settings();
@@ -656,13 +657,13 @@ mod tests {
         let now = &model.settings;
         assert_eq!((&now.surface, now.exposure, now.base_color), (&set.surface, 1.5, set.base_color));
         let scene = &model.loaded.scene;
-        assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.tone, scene.camera));
-        assert_eq!(now.reflectance, scene.main_object().reflectance.clone().unwrap());
+        assert_eq!((&now.lights, now.tone, now.camera), (&scene.lights, scene.display.tone, scene.camera));
+        assert_eq!(now.optics.reflectance, scene.main_object().reflectance.clone().unwrap());
         // All settings come from the scenes.
         show(&mut model, "plate");
         model.return_to_start();
         show(&mut model, "sphere");
-        assert_eq!(model.settings.exposure, model.loaded.scene.exposure);
+        assert_eq!(model.settings.exposure, model.loaded.scene.display.exposure);
     }
 
     #[test]

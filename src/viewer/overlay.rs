@@ -8,12 +8,11 @@ use super::inspector_pane;
 use super::model::{Comparison, Model, TaskProgress};
 use super::palette_pane;
 use super::quality::Quality;
-use super::settings::{OpticsSettings, ViewSettings};
 use super::style;
 use super::surface_window;
+use super::view_settings::ViewSettings;
 use crate::figure::palette::ColorMap;
-use crate::optics::coherence::Windows;
-use crate::setup::Method;
+use crate::settings::{Method, Optics};
 use crate::surface::{SurfaceSource, prepare};
 use egui::{
     Align2, Color32, FontId, Label, Mesh, Painter, Rect, RichText, ScrollArea, Sense, Stroke, Ui, pos2, vec2,
@@ -114,9 +113,9 @@ fn progress(painter: &Painter, at: egui::Pos2, width: f32, what: &str, part: f32
 }
 
 /// Names a side of the comparison by its settings, and by its surface if the two sides differ in it.
-fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &OpticsSettings) -> String {
-    let of_mean = settings.windows(optics) == Windows::All;
-    let by = if of_mean { Method::Table.name() } else { optics.basis.name() };
+fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &Optics) -> String {
+    let settled = settings.optics.as_accurate_as(optics).settled();
+    let by = if settled.method == Method::Table { Method::Table.name() } else { optics.basis.name() };
     let mut text = String::new();
     if let Some(surface) = surface {
         let name = Path::new(&surface.name).file_name().unwrap_or_default();
@@ -126,8 +125,7 @@ fn named(surface: Option<&SurfaceSource>, settings: &ViewSettings, optics: &Opti
         }
     }
     text += &format!("{by}, {} %", (optics.tolerance * 1e6).round() / 1e4);
-    let terms = optics.terms.filter(|_| !of_mean);
-    for (number, name) in [(terms, "terms"), (optics.wavelengths, "wavelengths")] {
+    for (number, name) in [(settled.terms, "terms"), (optics.wavelengths, "wavelengths")] {
         if let Some(n) = number {
             text += &format!(", {n} {name}");
         }

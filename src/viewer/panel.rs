@@ -4,7 +4,7 @@ mod cost;
 mod optics;
 pub(super) mod rows;
 mod scene;
-mod surface;
+mod surface_rows;
 
 use super::model::Model;
 use super::style;
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         scene::show(ui, model);
         optics::show(ui, model);
         scene::compare(ui, model);
-        surface::show(ui, model);
+        surface_rows::show(ui, model);
         scene::lights(ui, model);
         if !tall {
             cost::show(ui, model);

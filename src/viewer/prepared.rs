@@ -3,8 +3,8 @@
 use crate::error::Result;
 use crate::optics::validity::ScalarTheory;
 use crate::render::object::ObjectSources;
-use crate::render::shading::Shading;
 use crate::render::source::Source;
+use crate::settings::Optics;
 use crate::setup;
 use crate::surface::HeightField;
 use std::sync::{Arc, LazyLock};
@@ -38,8 +38,7 @@ impl Prepared {
         Ok(Self {
             number: 0,
             field: Arc::new(HeightField::new(1, 1, [1.0; 2], vec![0.0])?),
-            sources: ObjectSources::new(setup::pigment_alone(), Shading::default()),
-            others: Vec::new(),
+            objects: vec![ObjectSources::new(setup::pigment_alone(), Optics::default())],
             scalar_theory: None,
         })
     }
@@ -51,10 +50,8 @@ pub struct Prepared {
     pub number: u64,
     /// Height field.
     pub field: Arc<HeightField>,
-    /// Sources of the first object.
-    pub sources: ObjectSources,
-    /// Sources of the further objects, as far as they are known.
-    pub others: Vec<ObjectSources>,
+    /// Sources of the objects as far as they are known, of the first one in any case.
+    pub objects: Vec<ObjectSources>,
     /// Errors of scalar theory; `None` if the height field has not been measured.
     pub scalar_theory: Option<ScalarTheory>,
 }
@@ -62,19 +59,23 @@ pub struct Prepared {
 impl Prepared {
     /// Returns the source of the first object under the illuminant of the settings.
     pub fn source(&self) -> &Source {
-        &self.sources.own.source
+        &self.objects[0].own.source
     }
 
-    /// Returns the settings of the optics.
-    pub fn shading(&self) -> &Shading {
-        &self.sources.own.shading
+    /// Returns the settings of the optics of the first object.
+    pub fn optics(&self) -> &Optics {
+        &self.objects[0].own.optics
     }
 
-    /// Iterates over the sources of `objects` objects; an object whose source is unknown shows its pigment alone.
-    pub fn of_objects(&self, objects: usize) -> impl Iterator<Item = &ObjectSources> {
+    /// Returns true if the first object's data on the device for `other` can be reused.
+    pub fn shares_data_with(&self, other: &Self) -> bool {
+        self.objects[0].shares_data_with(&other.objects[0])
+    }
+
+    /// Iterates over the sources of `count` objects; an object whose source is unknown shows its pigment alone.
+    pub fn of_objects(&self, count: usize) -> impl Iterator<Item = &ObjectSources> {
         static UNKNOWN: LazyLock<ObjectSources> =
-            LazyLock::new(|| ObjectSources::new(setup::pigment_alone(), Shading::default()));
-        let others = self.others.iter().chain(std::iter::repeat(&*UNKNOWN));
-        std::iter::once(&self.sources).chain(others).take(objects)
+            LazyLock::new(|| ObjectSources::new(setup::pigment_alone(), Optics::default()));
+        self.objects.iter().chain(std::iter::repeat(&*UNKNOWN)).take(count)
     }
 }

@@ -1,6 +1,6 @@
 //! Settings at the start of the window.
 
-use super::settings::ViewSettings;
+use super::view_settings::ViewSettings;
 use crate::error::Result;
 use crate::scene::Scene;
 use crate::vk::selection::DeviceChoice;

@@ -394,7 +394,7 @@ mod tests {
     fn the_pane_tells_the_numbers_of_the_heights_and_closes_in_its_turn() {
         for (size, scale) in [([1300.0, 850.0], 1.0), ([640.0, 480.0], 2.0)] {
             let mut hand = hand(size, scale);
-            let at = hand.find("heights");
+            let at = hand.position_of("heights");
             let reached = hand.sweep(at);
             let says = |part: &str| reached.iter().any(|text| text.contains(part));
             for part in [
@@ -417,7 +417,7 @@ mod tests {
     fn a_line_is_drawn_and_what_is_pointed_at_in_one_is_marked_in_the_others() {
         let mut hand = hand([1300.0, 850.0], 1.0);
         // The picture of the heights is below the row that begins with its name, right of the axis.
-        let corner = hand.find("heights") + vec2(LEFT - 20.0, 14.0);
+        let corner = hand.position_of("heights") + vec2(LEFT - 20.0, 14.0);
         let (from, to) = (corner + vec2(60.0, 30.0), corner + vec2(160.0, 70.0));
         hand.drag(from, to);
         let line = hand.model.surface_pane.line.unwrap();
@@ -428,7 +428,7 @@ mod tests {
         assert!(matches!(hand.model.surface_pane.pointed, Some(Pointed::Place(_))));
         assert!(hand.says("x ") && hand.says("from the start"), "the profile tells the place");
         // In the spectrum: a period and its direction.
-        let spectrum = hand.find("orders of") + vec2(-60.0, 120.0);
+        let spectrum = hand.position_of("orders of") + vec2(-60.0, 120.0);
         hand.point(spectrum);
         let frequency = hand.model.surface_pane.pointed_frequency().expect("a frequency");
         let [length, azimuth] = period(frequency.into());

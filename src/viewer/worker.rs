@@ -10,7 +10,7 @@ use crate::render::object::ObjectSources;
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::scene::Mesh;
-use crate::setup::{self, InUse, ObjectSurface};
+use crate::setup::{self, InUse, ObjectSurface, SourceSettings};
 use crate::surface::statistics::Relief;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::vk::device::Device;
@@ -29,7 +29,7 @@ pub struct Request {
     /// Height field.
     pub surface: SurfaceSource,
     /// Settings. Footprints of 0 are replaced by those of the picture.
-    pub settings: setup::Settings,
+    pub settings: SourceSettings,
     /// Picture it is for, whose footprints set the resolution of the source.
     pub picture: Option<RequestedPicture>,
 }
@@ -228,21 +228,19 @@ impl Preparer {
         if matches!(request.role, Role::Own | Role::Preview) {
             reply(WorkerReply::Field(field.clone()));
         }
-        let own = ObjectSurface { field: Some(field.clone()), optics: request.settings.clone() };
         let mut note = None;
-        let (sources, others) = match &request.picture {
-            Some(picture) => {
-                let scene = &picture.loaded.scene;
-                let sources = self.object(&own, &scene.main_object().mesh, picture, &mut note, progress)?;
-                (sources, self.others(request, &field, picture, progress)?)
+        let objects = match &request.picture {
+            Some(picture) => self.objects(request, &field, picture, &mut note, progress)?,
+            None => {
+                let own = ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
+                vec![own.sources(&[], &mut |own| self.source(own, &mut note, progress))?]
             }
-            None => (own.sources(&[], &mut |own| self.source(own, &mut note, progress))?, Vec::new()),
         };
         let relief = self.relief(&field, request.role);
-        let shading = &request.settings.shading;
-        let colour = LightColour::Spectrum(&shading.illuminant);
-        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, &shading.reflectance, colour));
-        let prepared = Prepared { number: request.number, field, sources, others, scalar_theory };
+        let optics = &request.settings.optics;
+        let colour = LightColour::Spectrum(&optics.illuminant);
+        let scalar_theory = relief.map(|relief| ScalarTheory::new(relief, &optics.reflectance, colour));
+        let prepared = Prepared { number: request.number, field, objects, scalar_theory };
         Ok((Arc::new(prepared), note))
     }
 
@@ -258,12 +256,13 @@ impl Preparer {
         Some(measured)
     }
 
-    /// Makes the sources of the further objects of a scene, after the first.
-    fn others(
+    /// Makes the sources of all objects of a scene, the first of which has the surface `field`.
+    fn objects(
         &mut self,
         request: &Request,
         field: &Arc<HeightField>,
         picture: &RequestedPicture,
+        note: &mut Option<Error>,
         progress: &setup::Progress<'_>,
     ) -> Result<Vec<ObjectSources>> {
         let scene = &picture.loaded.scene;
@@ -278,13 +277,12 @@ impl Preparer {
         };
         let surfaces = ObjectSurface::of(scene, field, &request.settings, &mut load);
         known.retain(|(surface, _)| {
-            scene.objects.iter().skip(1).any(|object| object.surface.as_ref() == Some(surface))
+            scene.objects.iter().any(|object| object.surface.as_ref() == Some(surface))
         });
         self.of_objects = known;
-        let others = surfaces?.into_iter().zip(&scene.objects).skip(1);
-        others
-            .map(|(surface, object)| self.object(&surface, &object.mesh, picture, &mut None, progress))
-            .collect()
+        let surfaces = surfaces?;
+        let objects = surfaces.iter().zip(scene.meshes());
+        objects.map(|(surface, mesh)| self.object(surface, mesh, picture, note, progress)).collect()
     }
 
     /// Makes the sources of an object with this `surface` and `mesh`. The last `note` for the user is kept.
@@ -298,7 +296,7 @@ impl Preparer {
     ) -> Result<ObjectSources> {
         let RequestedPicture { views, size, sampling, .. } = picture;
         let surface = match &self.device {
-            Some(device) if surface.optics.footprints == FootprintSizes::default() => {
+            Some(device) if surface.source.footprints == FootprintSizes::default() => {
                 surface.seen(device, mesh, views, *size, sampling)?
             }
             _ => surface.clone(),
@@ -314,7 +312,7 @@ impl Preparer {
         progress: &setup::Progress<'_>,
     ) -> Result<Source> {
         let Some(field) = &surface.field else { return Ok(setup::pigment_alone()) };
-        let made = setup::source(field, &surface.optics, &self.limits, &mut self.in_use, progress)?;
+        let made = setup::source(field, &surface.source, &self.limits, &mut self.in_use, progress)?;
         *note = made.note.or(note.take());
         Ok(made.source)
     }
@@ -333,7 +331,7 @@ impl Preparer {
 mod tests {
     use super::*;
     use crate::optics::coherence::{Coherence, Windows};
-    use crate::render::shading::Shading;
+    use crate::settings::Optics;
     use crate::surface::synth::SurfaceKind;
     use crate::vk::instance::API_VERSION;
     use ash::vk;
@@ -358,14 +356,8 @@ mod tests {
     fn request(role: Role, number: u64, name: &str, tolerance: f64) -> Request {
         let surface = SurfaceSource { name: name.into(), ..SurfaceSource::built_in(SurfaceKind::Blaze) };
         let coherence = Coherence::Gaussian { length: 8.0 };
-        let shading = Shading { tolerance, coherence, windows: Windows::ONE, ..Shading::default() };
-        Request {
-            role,
-            number,
-            surface,
-            settings: setup::Settings::new(setup::Method::Spectral, shading),
-            picture: None,
-        }
+        let optics = Optics { tolerance, coherence, windows: Windows::ONE, ..Optics::default() };
+        Request { role, number, surface, settings: SourceSettings::new(optics), picture: None }
     }
 
     #[test]

@@ -20,9 +20,9 @@ pub mod sampler;
 pub mod selection;
 pub mod semaphore;
 #[cfg(feature = "viewer")]
-pub mod surface;
-#[cfg(feature = "viewer")]
 pub mod swapchain;
+#[cfg(feature = "viewer")]
+pub mod window_surface;
 
 use crate::error::{Error, Remedies, Remedy};
 use crate::memory;

@@ -4,7 +4,7 @@ use super::device::Device;
 use super::failure;
 use super::image::Image;
 use super::semaphore::Semaphore;
-use super::surface::Surface;
+use super::window_surface::Surface;
 use crate::error::{Error, Remedy, Result};
 use ash::{khr, vk};
 use std::sync::Arc;

@@ -74,7 +74,7 @@ fn the_window_shows_several_objects_as_render_draws_them_and_saves_their_scene()
     let (turned, command) = viewer.shows("--eye");
     assert!(turned != picture && turned == viewer.render(&command), "{command}");
     viewer.display.key('s'.into(), &[CONTROL]);
-    viewer.find("Save the scene with all settings");
+    viewer.position_of("Save the scene with all settings");
     viewer.display.key(RETURN, &[]);
     let saved = ["scene.toml", "two-scene.toml"].map(|name| viewer.sandbox.path(name));
     let saved = wait_for("the scene file", || saved.iter().find(|path| path.is_file()).cloned());

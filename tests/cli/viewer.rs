@@ -85,14 +85,14 @@ impl Viewer {
 
     /// Waits until the window shows `text` itself; where.
     #[track_caller]
-    pub fn find(&self, text: &str) -> [i16; 2] {
+    pub fn position_of(&self, text: &str) -> [i16; 2] {
         wait_for(text, || self.words().into_iter().find(|word| word.text == text)).at
     }
 
     /// Waits until the middle of `text` can be read from what is on the screen: strokes against their ground.
     #[track_caller]
     pub fn reads(&self, text: &str) {
-        let [x, y] = self.find(text);
+        let [x, y] = self.position_of(text);
         wait_for(&format!("the look of `{text}`"), || {
             let shown = self.display.look(self.window)?;
             let near = (x - 9..x + 9).flat_map(|x| (y - 4..y + 5).map(move |y| (x, y)));
@@ -105,7 +105,7 @@ impl Viewer {
     /// What stands in the row that is called `label`, from left to right.
     #[track_caller]
     pub fn row(&self, label: &str) -> Vec<Word> {
-        let [left, y] = self.find(label);
+        let [left, y] = self.position_of(label);
         let mut row: Vec<Word> = self.words();
         row.retain(|word| word.at[0] > left && (word.at[1] - y).abs() <= 6);
         row.sort_by_key(|word| word.at[0]);
@@ -115,7 +115,7 @@ impl Viewer {
     /// Presses what is called `text`.
     #[track_caller]
     pub fn press(&self, text: &str) {
-        self.display.click(1, self.find(text), 1);
+        self.display.click(1, self.position_of(text), 1);
     }
 
     /// Presses what is called `text` in the row that is called `label`.

@@ -17,7 +17,7 @@ fn a_saved_scene_is_the_picture_for_render_and_for_another_window() {
     viewer.choose("tone mapping", "neutral");
     let (picture, command, _) = viewer.save(&[]);
     viewer.display.key('s'.into(), &[CONTROL]);
-    viewer.find("Save the scene with all settings");
+    viewer.position_of("Save the scene with all settings");
     viewer.display.key(RETURN, &[]);
     let file = viewer.sandbox.path("scene.toml");
     wait_for("the scene file", || file.is_file().then_some(()));

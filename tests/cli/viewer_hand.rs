@@ -82,7 +82,7 @@ fn a_double_click_looks_at_the_point_under_it_and_f1_lists_the_keys() {
     let listed = |key: &str| viewer.words().iter().any(|word| word.text == key);
     viewer.display.key(F1, &[]);
     for key in ["left drag", "middle or Shift + left drag", "double click", "R", "S", "F1", "Esc"] {
-        viewer.find(key);
+        viewer.position_of(key);
     }
     viewer.display.key(F1, &[]);
     wait_for("the end of the list", || (!listed("left drag")).then_some(()));

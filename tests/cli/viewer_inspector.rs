@@ -23,7 +23,7 @@ fn the_inspector_says_what_eval_says_for_the_directions_that_it_shows() {
     viewer.display.key('i'.into(), &[]);
     viewer.display.click(1, AT, 1);
     viewer.says("held");
-    viewer.find("BRDF");
+    viewer.position_of("BRDF");
     let row = |label: &str| numbers(&viewer.row(label)[0].text);
     let ([theta_i, phi_i], [theta_r, phi_r]) =
         (row("to the light").try_into().unwrap(), row("to the viewer").try_into().unwrap());

@@ -21,7 +21,7 @@ fn a_still_picture_goes_on_to_its_samples_and_is_saved_as_their_mean() {
     // What is inspected is one sample.
     viewer.display.key('i'.into(), &[]);
     viewer.display.click(1, [200, 200], 1);
-    viewer.find("radiance");
+    viewer.position_of("radiance");
     assert!(!viewer.words().iter().any(|word| word.text.contains("of 6 samples")));
     viewer.display.key('i'.into(), &[]);
     viewer.says("6 of 6 samples");

@@ -80,6 +80,6 @@ fn the_size_of_the_window_and_of_its_text_follows_the_scale_of_the_display() {
     let shown = viewer.display.look(viewer.window).unwrap();
     assert_eq!(shown.dimensions(), (1000, 800));
     viewer.press("Keys  [F1]");
-    viewer.find("left drag");
+    viewer.position_of("left drag");
     viewer.close();
 }

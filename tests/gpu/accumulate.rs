@@ -1,7 +1,7 @@
 //! Pictures that are the mean of samples, and the footprints of their pixels.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading, window};
+use crate::evaluation::{layers, optics, patch, window};
 use diffract::optics::color::Tone;
 use diffract::render::footprints::{Distribution, median_pixel_area};
 use diffract::render::frame::{Shown, View};
@@ -18,9 +18,9 @@ const SIZE: [u32; 2] = [48, 36];
 const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
 
 fn renderer(device: &Arc<Device>, scene: &Scene) -> Renderer {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Flat, 2.0), &shading);
-    crate::renderer_of(device, scene, &window(&layers), &shading, SIZE).unwrap()
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Flat, 2.0), &optics);
+    crate::renderer_of(device, scene, &window(&layers), &optics, SIZE).unwrap()
 }
 
 fn view(scene: &Scene) -> View {

@@ -1,13 +1,13 @@
 //! Colours of single directions with the settings of pictures, against f64 transforms, some of which the direct sum judges.
 
 use crate::device::with_device;
-use crate::evaluation::{FLOOR, colours, patch, shading, window};
+use crate::evaluation::{FLOOR, colours, optics, patch, window};
 use diffract::optics::geometry::Pair;
 use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
-use diffract::render::shading::Shading;
+use diffract::settings::Optics;
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::{Layers, compute};
 use diffract::surface::HeightField;
@@ -16,13 +16,13 @@ use diffract::vk::device::Device;
 use glam::{DVec2, DVec3};
 
 /// The colours of `queries` by transforms in f64, XYZ of f cos θ_i; every thirtieth of them agrees with the direct sum.
-fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<DVec3> {
+fn by_reference(field: &HeightField, optics: &Optics, queries: &[Query]) -> Vec<DVec3> {
     const EACH: usize = 30;
-    let reference = Reference::new(field, shading.coherence, [1, 1], shading.reflectance.clone());
+    let reference = Reference::new(field, optics.coherence, [1, 1], optics.reflectance.clone());
     let pairs: Vec<Pair> = queries.iter().map(|q| q.pair).collect();
-    let colours = cosine_weighted_xyz(&reference, &shading.illuminant, &pairs, &|_, _| Ok(())).unwrap();
+    let colours = cosine_weighted_xyz(&reference, &optics.illuminant, &pairs, &|_, _| Ok(())).unwrap();
     for (pair, colour) in pairs.iter().zip(&colours).step_by(EACH) {
-        let direct = reference.cosine_weighted_xyz(pair, &shading.illuminant).unwrap();
+        let direct = reference.cosine_weighted_xyz(pair, &optics.illuminant).unwrap();
         let apart = (*colour - direct).length();
         assert!(apart <= 1e-4 * direct.length() + 1e-9, "{colour} by transforms, {direct} by the sum");
     }
@@ -43,24 +43,22 @@ fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
 }
 
 /// Layers of `field` for pictures.
-fn layers(device: &Device, field: &HeightField, shading: &Shading) -> Layers {
-    let sigma = shading.coherence.sigma().unwrap();
-    let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
+fn layers(device: &Device, field: &HeightField, optics: &Optics) -> Layers {
+    let sigma = optics.coherence.sigma().unwrap();
+    let settings = diffract::setup::layer_settings(optics, sigma, 0.38, device.candidate()).unwrap();
     compute(field, &settings, &|_, _| Ok(())).unwrap()
 }
 
 fn meet_their_tolerance(kind: SurfaceKind, side: f64, length: f64, seed: u64, bases: &[(Basis, f64)]) {
     let field = patch(kind, side);
     let queries = colours(seed, 300);
-    let exact = by_reference(&field, &shading(length, 1.0), &queries);
+    let exact = by_reference(&field, &optics(length, 1.0), &queries);
     with_device(|device| {
         for &(basis, tolerance) in bases {
-            let shading = Shading { basis, ..shading(length, tolerance) }.for_pictures();
-            let layers = layers(device, &field, &shading);
-            let found = Evaluator::new(device, &window(&layers), &shading)
-                .unwrap()
-                .cosine_weighted(&queries)
-                .unwrap();
+            let optics = Optics { basis, ..optics(length, tolerance) }.for_pictures();
+            let layers = layers(device, &field, &optics);
+            let found =
+                Evaluator::new(device, &window(&layers), &optics).unwrap().cosine_weighted(&queries).unwrap();
             let [whole, median, p99] = errors(&found, &exact);
             eprintln!(
                 "{} by {}, {} terms, {}-bit, at {tolerance:e}: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}",
@@ -79,9 +77,9 @@ fn meet_their_tolerance(kind: SurfaceKind, side: f64, length: f64, seed: u64, ba
             let heights = field.heights().iter().map(|h| h * 1.1).collect();
             let higher =
                 HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
-            let other = self::layers(device, &higher, &shading);
+            let other = self::layers(device, &higher, &optics);
             let wrong =
-                Evaluator::new(device, &window(&other), &shading).unwrap().cosine_weighted(&queries).unwrap();
+                Evaluator::new(device, &window(&other), &optics).unwrap().cosine_weighted(&queries).unwrap();
             assert!(errors(&wrong, &exact)[1] > 2.0 * median.max(tolerance / 4.0));
         }
     });
@@ -113,16 +111,14 @@ fn colours_of_pictures_meet_their_tolerance_where_samples_and_sides_are_not_squa
     let heights = square.heights().to_vec();
     let field = HeightField::new(square.columns(), square.rows(), [dx, dx * 0.7], heights).unwrap();
     let queries = colours(43, 200);
-    let light = shading(32.0, 1e-2);
+    let light = optics(32.0, 1e-2);
     let exact = by_reference(&field, &light, &queries);
     with_device(|device| {
         for terms in [None, Some(14)] {
-            let shading = Shading { terms, ..light.clone() }.for_pictures();
-            let layers = layers(device, &field, &shading);
-            let found = Evaluator::new(device, &window(&layers), &shading)
-                .unwrap()
-                .cosine_weighted(&queries)
-                .unwrap();
+            let optics = Optics { terms, ..light.clone() }.for_pictures();
+            let layers = layers(device, &field, &optics);
+            let found =
+                Evaluator::new(device, &window(&layers), &optics).unwrap().cosine_weighted(&queries).unwrap();
             let [whole, median, p99] = errors(&found, &exact);
             eprintln!("terms {terms:?}: {whole:.2e}, median {median:.2e}, p99 {p99:.2e}");
             assert!(
@@ -150,15 +146,15 @@ fn rays_toward_the_mirror_direction_meet_the_tolerance_octave_by_octave() {
         (0..OCTAVES).flat_map(|k| vec![0.3 * f64::from(-k).exp2(); EACH]).map(&mut toward).collect();
     for (side, length) in [(24.0, 30.0), (12.0, 25.0)] {
         let field = patch(SurfaceKind::Elaphe, side);
-        let light = shading(length, 1e-2);
+        let light = optics(length, 1e-2);
         let exact = by_reference(&field, &light, &queries);
         with_device(|device| {
             for (basis, terms, tolerance) in
                 [(Basis::Optimal, None, 1e-3), (Basis::Optimal, None, 1e-2), (Basis::Taylor, Some(16), 1e-2)]
             {
-                let shading = Shading { basis, terms, tolerance, ..light.clone() }.for_pictures();
-                let layers = layers(device, &field, &shading);
-                let mut evaluator = Evaluator::new(device, &window(&layers), &shading).unwrap();
+                let optics = Optics { basis, terms, tolerance, ..light.clone() }.for_pictures();
+                let layers = layers(device, &field, &optics);
+                let mut evaluator = Evaluator::new(device, &window(&layers), &optics).unwrap();
                 let found = evaluator.cosine_weighted(&queries).unwrap();
                 for (octave, (found, exact)) in found.chunks(EACH).zip(exact.chunks(EACH)).enumerate() {
                     let wrong: f64 = found.iter().zip(exact).map(|(f, e)| (*f - *e).length_squared()).sum();

@@ -2,13 +2,13 @@
 
 use crate::device::with_device;
 use crate::evaluation::patch;
-use crate::mean::{shading, source};
+use crate::mean::{optics, source};
 use crate::measure::colours;
 use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::Method;
 use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, DVec4};
 
@@ -48,14 +48,14 @@ fn many_samples_show_what_many_more_pixels_show() {
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, vec![Light::point(40.0, -97.0, 1.0)]);
     let field = patch(SurfaceKind::Elaphe, 12.0);
-    let shading = shading(16.0, 2e-2).for_pictures();
+    let optics = optics(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let fine = SIZE.map(|n| n * FINER);
         let views = std::slice::from_ref(&view);
         let sizes =
             footprints::sizes(device, &scene.main_object().mesh, views, fine, &Sampling::ONE).unwrap();
-        let source = source(device, &field, &shading, Method::Table, sizes);
-        let renderer = |size| crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
+        let source = source(device, &field, &optics, Method::Table, sizes);
+        let renderer = |size| crate::renderer_of(device, &scene, &source, &optics, size).unwrap();
         let exact = renderer(fine).render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let exact = supersampled(&exact.radiance);
         let mut small = renderer(SIZE);

@@ -1,7 +1,7 @@
 //! The display pass against its f64 twin.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading, window};
+use crate::evaluation::{layers, optics, patch, window};
 use diffract::optics::color::{Tone, display, display_over};
 use diffract::render::frame::{Shown, View};
 use diffract::render::sampling::Sampling;
@@ -16,11 +16,11 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
     let field = patch(SurfaceKind::Elaphe, 6.0);
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
-    let shading = shading(16.0, 1e-1);
+    let optics = optics(16.0, 1e-1);
     let background = DVec3::new(0.1, 0.2, 0.3);
     with_device(|device| {
-        let layers = layers(&field, &shading);
-        let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, SIZE).unwrap();
+        let layers = layers(&field, &optics);
+        let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &optics, SIZE).unwrap();
         let shows = |exposure, tone| Shown { exposure, tone, background };
         let one = Sampling::ONE.sample(0);
         for (exposure, tone) in

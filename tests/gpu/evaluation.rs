@@ -8,8 +8,8 @@ use diffract::optics::orders::Repeats;
 use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
-use diffract::render::shading::Shading;
 use diffract::render::source::{Grating, Source};
+use diffract::settings::Optics;
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
@@ -55,12 +55,12 @@ pub fn patch(kind: SurfaceKind, side: f64) -> HeightField {
 }
 
 /// Through one window.
-pub fn shading(length: f64, tolerance: f64) -> Shading {
-    Shading {
+pub fn optics(length: f64, tolerance: f64) -> Optics {
+    Optics {
         coherence: Coherence::Gaussian { length },
         windows: Windows::ONE,
         tolerance,
-        ..Shading::default()
+        ..Optics::default()
     }
 }
 
@@ -75,13 +75,13 @@ pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source
     Source::Grating(Grating { layers: Arc::new(layers.clone()), repeats })
 }
 
-pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
+pub fn layers(field: &HeightField, optics: &Optics) -> Layers {
     let settings = LayerSettings {
-        sigma: shading.coherence.sigma().unwrap(),
+        sigma: optics.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
-        budget: shading.budget().window,
-        basis: shading.basis,
-        terms: shading.terms,
+        budget: optics.budget().window,
+        basis: optics.basis,
+        terms: optics.terms,
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
@@ -89,24 +89,24 @@ pub fn layers(field: &HeightField, shading: &Shading) -> Layers {
 }
 
 /// f cos θ_i of every query on the device.
-fn on_device(device: &Arc<Device>, field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let mut evaluator = Evaluator::new(device, &Source::window(layers(field, shading)), shading).unwrap();
+fn on_device(device: &Arc<Device>, field: &HeightField, optics: &Optics, queries: &[Query]) -> Vec<f64> {
+    let mut evaluator = Evaluator::new(device, &Source::window(layers(field, optics)), optics).unwrap();
     evaluator.cosine_weighted(queries).unwrap().iter().map(|v| v.x).collect()
 }
 
 /// f cos θ_i of every query by the direct sum.
-fn by_reference(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let reference = Reference::new(field, shading.coherence, [1, 1], shading.reflectance.clone());
+fn by_reference(field: &HeightField, optics: &Optics, queries: &[Query]) -> Vec<f64> {
+    let reference = Reference::new(field, optics.coherence, [1, 1], optics.reflectance.clone());
     queries.iter().map(|q| reference.brdf(&q.pair, q.wavelength.unwrap()) * q.pair.light.z.max(0.0)).collect()
 }
 
 fn spectral_meets_its_tolerance(kind: SurfaceKind, side: f64, length: f64, seed: u64) {
     let field = patch(kind, side);
     let queries = queries(seed, DIRECTIONS);
-    let exact = by_reference(&field, &shading(length, 1.0), &queries);
+    let exact = by_reference(&field, &optics(length, 1.0), &queries);
     with_device(|device| {
         for tolerance in [1e-1, 1e-2, 1e-3] {
-            let found = on_device(device, &field, &shading(length, tolerance), &queries);
+            let found = on_device(device, &field, &optics(length, tolerance), &queries);
             let error = per_direction(&found, &exact, FLOOR);
             eprintln!("{} at {tolerance:e}: {error:.2e}", kind.name());
             assert!(error <= tolerance, "{} at {tolerance}: {error:e}", kind.name());
@@ -115,7 +115,7 @@ fn spectral_meets_its_tolerance(kind: SurfaceKind, side: f64, length: f64, seed:
                 let heights = field.heights().iter().map(|h| h * 1.01).collect();
                 let higher =
                     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
-                let wrong = on_device(device, &higher, &shading(length, tolerance), &queries);
+                let wrong = on_device(device, &higher, &optics(length, tolerance), &queries);
                 assert!(per_direction(&wrong, &exact, FLOOR) > tolerance, "a height error of 1 % passes");
             }
         }
@@ -144,13 +144,13 @@ fn every_basis_meets_the_tolerance_where_it_is_not_refused() {
     {
         let field = patch(kind, side);
         let queries = queries(11, 600);
-        let exact = by_reference(&field, &shading(20.0, 1.0), &queries);
+        let exact = by_reference(&field, &optics(20.0, 1.0), &queries);
         let mut terms = Vec::new();
         for &basis in bases {
-            let shading = Shading { basis, ..shading(20.0, 1e-2) };
-            terms.push(layers(&field, &shading).terms);
+            let optics = Optics { basis, ..optics(20.0, 1e-2) };
+            terms.push(layers(&field, &optics).terms);
             with_device(|device| {
-                let found = on_device(device, &field, &shading, &queries);
+                let found = on_device(device, &field, &optics, &queries);
                 let error = per_direction(&found, &exact, FLOOR);
                 eprintln!("{} by {}: {error:.2e}, {terms:?} terms", kind.name(), basis.name());
                 assert!(error <= 1e-2, "{} by {}: {error:e}", kind.name(), basis.name());
@@ -171,12 +171,12 @@ fn every_basis_meets_what_a_picture_asks_of_single_wavelengths_grazing_direction
         query.pair = Pair::new(grazing(query.pair.light), grazing(query.pair.view));
     }
     for basis in Basis::ALL {
-        let shading = Shading { basis, ..shading(20.0, 1e-2) }.for_pictures();
-        let exact = by_reference(&field, &shading, &queries);
-        let layers = layers(&field, &shading);
-        let allowed = shading.budget().window.gain * shading.tolerance;
+        let optics = Optics { basis, ..optics(20.0, 1e-2) }.for_pictures();
+        let exact = by_reference(&field, &optics, &queries);
+        let layers = layers(&field, &optics);
+        let allowed = optics.budget().window.gain * optics.tolerance;
         with_device(|device| {
-            let found = on_device(device, &field, &shading, &queries);
+            let found = on_device(device, &field, &optics, &queries);
             for (name, part) in [("all around", 0..600), ("grazing", 600..1200)] {
                 let error = per_direction(&found[part.clone()], &exact[part], FLOOR);
                 eprintln!("{} {name}: {error:.2e} of {allowed:.2e}, {} pairs", basis.name(), layers.pairs());
@@ -200,8 +200,8 @@ fn every_quarter_of_the_frequency_plane_is_the_right_way_round() {
         .collect();
     let field = HeightField::new(side, side, [0.09, 0.08], heights).unwrap();
     let queries = queries(5, 400);
-    let shading = shading(10.0, 1e-3);
-    let exact = by_reference(&field, &shading, &queries);
+    let optics = optics(10.0, 1e-3);
+    let exact = by_reference(&field, &optics, &queries);
     let turned: Vec<Query> = queries
         .iter()
         .map(|q| {
@@ -210,8 +210,8 @@ fn every_quarter_of_the_frequency_plane_is_the_right_way_round() {
         })
         .collect();
     with_device(|device| {
-        assert!(per_direction(&on_device(device, &field, &shading, &queries), &exact, FLOOR) < 1e-3);
-        assert!(per_direction(&on_device(device, &field, &shading, &turned), &exact, FLOOR) > 0.1);
+        assert!(per_direction(&on_device(device, &field, &optics, &queries), &exact, FLOOR) < 1e-3);
+        assert!(per_direction(&on_device(device, &field, &optics, &turned), &exact, FLOOR) > 0.1);
     });
 }
 
@@ -221,16 +221,16 @@ fn colours_of_single_directions_meet_the_tolerance() {
     let queries: Vec<Query> = queries(7, 60).into_iter().map(|q| Query { wavelength: None, ..q }).collect();
     with_device(|device| {
         for tolerance in [1e-1, 1e-2, 1e-3] {
-            let shading = shading(24.0, tolerance);
-            let reference = Reference::new(&field, shading.coherence, [1, 1], shading.reflectance.clone());
+            let optics = optics(24.0, tolerance);
+            let reference = Reference::new(&field, optics.coherence, [1, 1], optics.reflectance.clone());
             let mut evaluator =
-                Evaluator::new(device, &Source::window(layers(&field, &shading)), &shading).unwrap();
+                Evaluator::new(device, &Source::window(layers(&field, &optics)), &optics).unwrap();
             let found = evaluator.cosine_weighted(&queries).unwrap();
             let relative: Vec<f64> = queries
                 .iter()
                 .zip(found)
                 .map(|(q, found)| {
-                    let exact = reference.cosine_weighted_xyz(&q.pair, &shading.illuminant).unwrap();
+                    let exact = reference.cosine_weighted_xyz(&q.pair, &optics.illuminant).unwrap();
                     (found - exact).length() / exact.length().max(FLOOR)
                 })
                 .collect();
@@ -244,7 +244,7 @@ fn colours_of_single_directions_meet_the_tolerance() {
 #[test]
 fn nothing_is_reflected_below_the_horizon_or_beyond_the_band() {
     let field = HeightField::new(32, 32, [0.2, 0.2], vec![0.0; 1024]).unwrap();
-    let shading = shading(8.0, 1e-2);
+    let optics = optics(8.0, 1e-2);
     let ask = |theta_i: f64, theta_r: f64, wavelength| Query {
         pair: Pair::new(direction(theta_i, 0.0), direction(theta_r, 0.0)),
         wavelength: Some(wavelength),
@@ -258,8 +258,8 @@ fn nothing_is_reflected_below_the_horizon_or_beyond_the_band() {
         ask(0.0, 80.0, 0.39),
     ];
     with_device(|device| {
-        assert_eq!(on_device(device, &field, &shading, &dark), [0.0; 5]);
-        let mirror = on_device(device, &field, &shading, &[ask(30.0, -30.0, 0.55)]);
+        assert_eq!(on_device(device, &field, &optics, &dark), [0.0; 5]);
+        let mirror = on_device(device, &field, &optics, &[ask(30.0, -30.0, 0.55)]);
         assert!(mirror[0] > 0.1, "{mirror:?}");
     });
 }

@@ -2,7 +2,7 @@
 //! remedy where there is none, and nowhere a value that is not a number. What the runs print stands in docs/EXTREMES.md.
 
 use crate::device::with_device;
-use crate::evaluation::{grating, patch, shading, window};
+use crate::evaluation::{grating, optics, patch, window};
 use crate::measure::channel;
 use diffract::error::Result;
 use diffract::optics::brdf::cosine_weighted;
@@ -14,8 +14,8 @@ use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::frame::{Shown, View};
 use diffract::render::reference_picture::{displayed, reference_picture};
-use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
+use diffract::settings::Optics;
 use diffract::spectra::amplitude::audit::FAINT;
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::texels::{HALF_UNIT, Texels};
@@ -44,13 +44,13 @@ const POLAR: [f64; 14] =
 /// Views relative to the light: mirror side, retro side, across.
 const TURNS: [f64; 6] = [180.0, 180.0 - 1e-7, 0.0, 1e-7, 90.0, 37.0];
 
-fn layers_of(field: &HeightField, shading: &Shading) -> Result<Layers> {
+fn layers_of(field: &HeightField, optics: &Optics) -> Result<Layers> {
     let settings = LayerSettings {
-        sigma: shading.coherence.sigma().unwrap(),
+        sigma: optics.coherence.sigma().unwrap(),
         shortest_wavelength: 0.38,
-        budget: shading.budget().window,
-        basis: shading.basis,
-        terms: shading.terms,
+        budget: optics.budget().window,
+        basis: optics.basis,
+        terms: optics.terms,
         memory_limit: 64 << 20,
         side_limit: 4096,
     };
@@ -71,8 +71,8 @@ fn end_queries() -> Vec<Query> {
     queries
 }
 
-fn exact(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let reference = Reference::new(field, shading.coherence, [1, 1], shading.reflectance.clone());
+fn exact(field: &HeightField, optics: &Optics, queries: &[Query]) -> Vec<f64> {
+    let reference = Reference::new(field, optics.coherence, [1, 1], optics.reflectance.clone());
     let one = |q: &Query| {
         let q0 = 1.0 / q.wavelength.unwrap();
         reference.cosine_weighted_spectrum(&q.pair, q0, 0.0, 1)[0]
@@ -81,8 +81,8 @@ fn exact(field: &HeightField, shading: &Shading, queries: &[Query]) -> Vec<f64> 
 }
 
 /// The device's answers; each is a number of at least 0, colours are numbers.
-fn answers(device: &Arc<Device>, layers: &Layers, shading: &Shading, queries: &[Query]) -> Vec<f64> {
-    let mut evaluator = Evaluator::new(device, &window(layers), shading).unwrap();
+fn answers(device: &Arc<Device>, layers: &Layers, optics: &Optics, queries: &[Query]) -> Vec<f64> {
+    let mut evaluator = Evaluator::new(device, &window(layers), optics).unwrap();
     let found = evaluator.cosine_weighted(queries).unwrap();
     for (query, value) in queries.iter().zip(&found) {
         assert!(value.x.is_finite() && value.x >= 0.0, "{query:?}: {value}");
@@ -101,10 +101,10 @@ fn clear(query: &Query) -> bool {
 
 /// The f cos θ_i that a tolerance is promised from: [`FAINT`] of the flat mirror's peak under this pair. 1/(w² cos θ_r) lifts
 /// the peak, and with it what is too faint to be judged, without end toward the horizon.
-fn promised(query: &Query, shading: &Shading) -> f64 {
-    let sigma = shading.coherence.sigma().unwrap();
-    let area = shading.coherence.area([0.0; 2]);
-    let reflectance = shading.reflectance.at(0.55, query.pair.cos_half_angle());
+fn promised(query: &Query, optics: &Optics) -> f64 {
+    let sigma = optics.coherence.sigma().unwrap();
+    let area = optics.coherence.area([0.0; 2]);
+    let reflectance = optics.reflectance.at(0.55, query.pair.cos_half_angle());
     let peak = (2.0 * PI * sigma * sigma).powi(2);
     reflectance * cosine_weighted(&query.pair, query.wavelength.unwrap(), area, FAINT * peak)
 }
@@ -129,7 +129,7 @@ impl std::fmt::Display for Errors {
 }
 
 /// The errors; what is below the horizon is 0.
-fn errors(queries: &[Query], found: &[f64], exact: &[f64], shading: &Shading) -> Errors {
+fn errors(queries: &[Query], found: &[f64], exact: &[f64], optics: &Optics) -> Errors {
     let mut errors = Errors::default();
     let mut squares = vec![];
     for ((query, &found), &exact) in queries.iter().zip(found).zip(exact) {
@@ -137,7 +137,7 @@ fn errors(queries: &[Query], found: &[f64], exact: &[f64], shading: &Shading) ->
         if query.pair.light.z <= 0.0 || query.pair.view.z <= 0.0 {
             assert!(found == 0.0 && exact == 0.0, "{query:?}: {found} below the horizon");
         } else if clear(query) {
-            let relative = (found - exact).abs() / exact.max(FLOOR).max(promised(query, shading));
+            let relative = (found - exact).abs() / exact.max(FLOOR).max(promised(query, optics));
             squares.push(relative * relative);
             errors.worst = errors.worst.max(relative);
             let lower = query.pair.light.z.min(query.pair.view.z);
@@ -156,14 +156,14 @@ fn errors(queries: &[Query], found: &[f64], exact: &[f64], shading: &Shading) ->
 fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
     let field = patch(SurfaceKind::Bumps, 2.0);
     let queries = end_queries();
-    let reference = exact(&field, &shading(8.0, 1.0), &queries);
+    let reference = exact(&field, &optics(8.0, 1.0), &queries);
     with_device(|device| {
         for basis in Basis::ALL {
             for tolerance in [1e-1, 1e-3] {
-                let shading = Shading { basis, ..shading(8.0, tolerance) };
-                let layers = layers_of(&field, &shading).unwrap();
-                let found = answers(device, &layers, &shading, &queries);
-                let e = errors(&queries, &found, &reference, &shading);
+                let optics = Optics { basis, ..optics(8.0, tolerance) };
+                let layers = layers_of(&field, &optics).unwrap();
+                let found = answers(device, &layers, &optics, &queries);
+                let e = errors(&queries, &found, &reference, &optics);
                 eprintln!("directions: {} {tolerance:e}: {e}", basis.name());
                 assert!(e.rms <= tolerance, "{} at {tolerance:e}: {e:?}", basis.name());
                 // No light where there is none, however close both directions are to the horizon.
@@ -171,11 +171,11 @@ fn directions_at_the_ends_keep_the_tolerance_and_are_numbers_everywhere() {
             }
         }
         // The check sees a surface that is a hundredth higher.
-        let shading = shading(8.0, 1e-3);
+        let optics = optics(8.0, 1e-3);
         let heights = field.heights().iter().map(|h| h * 1.01).collect();
         let higher = HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights).unwrap();
-        let found = answers(device, &layers_of(&higher, &shading).unwrap(), &shading, &queries);
-        assert!(errors(&queries, &found, &reference, &shading).rms > 1e-3);
+        let found = answers(device, &layers_of(&higher, &optics).unwrap(), &optics, &queries);
+        assert!(errors(&queries, &found, &reference, &optics).rms > 1e-3);
     });
 }
 
@@ -198,8 +198,8 @@ fn heights_from_flat_to_ten_micrometres_are_done_or_refused_by_every_basis() {
             let mut line = String::new();
             for range in [0.0, 1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0] {
                 let field = rough(12, 9, [0.12, 0.1], range, 7);
-                let shading = Shading { basis, ..shading(3.0, 1e-2) };
-                let layers = match layers_of(&field, &shading) {
+                let optics = Optics { basis, ..optics(3.0, 1e-2) };
+                let layers = match layers_of(&field, &optics) {
                     Ok(layers) => layers,
                     Err(e) => {
                         let e = e.to_string();
@@ -209,8 +209,8 @@ fn heights_from_flat_to_ten_micrometres_are_done_or_refused_by_every_basis() {
                         continue;
                     }
                 };
-                let found = answers(device, &layers, &shading, &queries);
-                let e = errors(&queries, &found, &exact(&field, &shading, &queries), &shading);
+                let found = answers(device, &layers, &optics, &queries);
+                let e = errors(&queries, &found, &exact(&field, &optics, &queries), &optics);
                 line += &format!(" {range}: {} terms, {e};", layers.terms);
                 assert!(e.rms <= 1e-2, "{} at {range} um: {e:?}", basis.name());
             }
@@ -227,9 +227,9 @@ fn terms_and_wavelengths_at_their_ends_give_numbers() {
             for range in [0.0, 3.0] {
                 let field = rough(8, 8, [0.1, 0.1], range, 3);
                 for terms in [1, 37, 128] {
-                    let shading = Shading { basis, terms: Some(terms), ..shading(2.0, 1e-2) };
-                    match layers_of(&field, &shading) {
-                        Ok(layers) => drop(answers(device, &layers, &shading, &queries)),
+                    let optics = Optics { basis, terms: Some(terms), ..optics(2.0, 1e-2) };
+                    match layers_of(&field, &optics) {
+                        Ok(layers) => drop(answers(device, &layers, &optics, &queries)),
                         Err(e) => assert!(e.to_string().contains("; ask for"), "{e}"),
                     }
                 }
@@ -237,9 +237,9 @@ fn terms_and_wavelengths_at_their_ends_give_numbers() {
         }
         let field = rough(8, 8, [0.1, 0.1], 0.3, 3);
         for wavelengths in [4, 401] {
-            let shading = Shading { wavelengths: Some(wavelengths), ..shading(2.0, 1e-2) };
-            let layers = layers_of(&field, &shading).unwrap();
-            drop(answers(device, &layers, &shading, &queries));
+            let optics = Optics { wavelengths: Some(wavelengths), ..optics(2.0, 1e-2) };
+            let layers = layers_of(&field, &optics).unwrap();
+            drop(answers(device, &layers, &optics, &queries));
         }
     });
 }
@@ -252,8 +252,8 @@ fn scaled(layers: &Layers, scale: f32, half: bool) -> Layers {
 
 #[test]
 fn sixteen_bit_layers_are_read_right_at_their_overflow_and_in_their_subnormals() {
-    let shading = Shading { basis: Basis::Optimal, ..shading(4.0, 1e-1) };
-    let layers = layers_of(&patch(SurfaceKind::Bumps, 2.0), &shading).unwrap();
+    let optics = Optics { basis: Basis::Optimal, ..optics(4.0, 1e-1) };
+    let layers = layers_of(&patch(SurfaceKind::Bumps, 2.0), &optics).unwrap();
     let largest = (0..layers.texels.len()).map(|i| layers.texels.at(i).abs()).fold(0.0, f32::max);
     let queries: Vec<Query> = end_queries()
         .into_iter()
@@ -271,13 +271,13 @@ fn sixteen_bit_layers_are_read_right_at_their_overflow_and_in_their_subnormals()
             let of = |half: bool| {
                 let own = scaled(&layers, scale, half);
                 assert!(own.texels.are_finite() && own.texels.is_half() == half);
-                answers(device, &own, &shading, &queries)
+                answers(device, &own, &optics, &queries)
             };
             let (wide, narrow) = (of(false), of(true));
             // Amplitudes, relative to the mirror peak's: what a texel is rounded by, however faint it is itself.
             let error =
                 queries.iter().zip(wide.iter().zip(&narrow)).fold(0.0f64, |worst, (q, (wide, narrow))| {
-                    let peak = promised(q, &shading) / FAINT * f64::from(scale).powi(2);
+                    let peak = promised(q, &optics) / FAINT * f64::from(scale).powi(2);
                     worst.max((narrow.sqrt() - wide.sqrt()).abs() / peak.sqrt())
                 });
             eprintln!("halves: {name}: {error:.1e} of the peak's amplitude");
@@ -298,27 +298,24 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
     let size = [24, 18];
     with_device(|device| {
         for copies in [[1, 1], [1, 1000], [1000, 1], [1000, 1000]] {
-            let shading = Shading {
-                coherence: Coherence::Repeats(copies),
-                windows: Windows::ONE,
-                ..Shading::default()
-            };
-            let shading = shading.for_pictures();
+            let optics =
+                Optics { coherence: Coherence::Repeats(copies), windows: Windows::ONE, ..Optics::default() };
+            let optics = optics.for_pictures();
             let settings = LayerSettings {
                 sigma: f64::INFINITY,
                 shortest_wavelength: 0.38,
-                budget: shading.budget().window,
-                basis: shading.basis,
+                budget: optics.budget().window,
+                basis: optics.basis,
                 terms: None,
                 memory_limit: 1 << 30,
                 side_limit: 16_384,
             };
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let source = grating(&layers, copies, &field);
-            let mut renderer = crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
+            let mut renderer = crate::renderer_of(device, &scene, &source, &optics, size).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
-            let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
+            let exact = reference_picture(&field, &optics, &view, &directions, &|_, _| Ok(())).unwrap();
             assert!(picture.radiance.iter().flatten().all(|x| x.is_finite()), "{copies:?}");
             let errors = [0, 1, 2].map(|c| channel(&picture.radiance, &exact, c));
             eprintln!("repeats: {copies:?}: {errors:.5?}");
@@ -385,14 +382,14 @@ fn combinations_of_ends_are_done_within_their_tolerance_or_refused_with_a_remedy
         let run = runner.run(&case(), |case| {
             let field =
                 rough(case.size.0, case.size.1, [case.spacing.0, case.spacing.1], case.range, case.seed);
-            let shading = Shading {
+            let optics = Optics {
                 basis: case.basis,
                 tolerance: case.tolerance,
                 coherence: Coherence::Gaussian { length: case.length },
                 windows: Windows::ONE,
-                ..Shading::default()
+                ..Optics::default()
             };
-            let layers = match layers_of(&field, &shading) {
+            let layers = match layers_of(&field, &optics) {
                 Ok(layers) => layers,
                 Err(e) => {
                     let e = e.to_string();
@@ -409,8 +406,8 @@ fn combinations_of_ends_are_done_within_their_tolerance_or_refused_with_a_remedy
             let start = case.seed as usize % 7;
             let some: Vec<Query> =
                 queries.iter().skip(start).step_by(queries.len() / COMPARED).copied().collect();
-            let found = answers(device, &layers, &shading, &some);
-            let rms = errors(&some, &found, &exact(&field, &shading, &some), &shading).rms;
+            let found = answers(device, &layers, &optics, &some);
+            let rms = errors(&some, &found, &exact(&field, &optics, &some), &optics).rms;
             let mut tally = tally.borrow_mut();
             if rms / case.tolerance > tally.2.0 {
                 tally.2 = (rms / case.tolerance, format!("{rms:.1e} of {:.0e}: {case:?}", case.tolerance));
@@ -460,8 +457,8 @@ fn meshes() -> [(&'static str, String); 6] {
 #[test]
 fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_number() {
     let field = patch(SurfaceKind::Bumps, 2.0);
-    let shading = shading(4.0, 1e-1);
-    let layers = layers_of(&field, &shading).unwrap();
+    let optics = optics(4.0, 1e-1);
+    let layers = layers_of(&field, &optics).unwrap();
     with_device(|device| {
         for (name, text) in meshes() {
             let mesh =
@@ -473,7 +470,7 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
                 .map(|[theta, phi]| Light::point(theta, phi, 1.0));
             let mut view = View::of(&scene, lights.to_vec());
             let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
-            let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, size).unwrap();
+            let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &optics, size).unwrap();
             for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
                 view.camera = diffract::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
                 for exposure in [-40.0, 0.0, 40.0] {

@@ -1,7 +1,7 @@
 //! Devices that run out of memory: each allocation in turn fails, nothing is left behind, the next try succeeds.
 
 use crate::device::with_device;
-use crate::evaluation::{grating, layers, patch, queries, shading, window};
+use crate::evaluation::{grating, layers, optics, patch, queries, window};
 use crate::mean::source;
 use diffract::error::{Remedy, Result};
 use diffract::filter::FootprintSizes;
@@ -11,11 +11,10 @@ use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
 use diffract::render::renderer::{Picture, PictureRequest};
-use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::render::{target, upload};
 use diffract::scene::{Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Optics};
 use diffract::spectra::amplitude::{LayerSettings, compute};
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -50,20 +49,20 @@ fn view(scene: &Scene) -> View {
     View::of(scene, vec![Light::point(40.0, 20.0, 1.0)])
 }
 
-fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene) -> Result<Picture> {
-    let mut renderer = crate::renderer_of(device, scene, source, shading, [16, 12])?;
+fn paint(device: &Arc<Device>, source: &Source, optics: &Optics, scene: &Scene) -> Result<Picture> {
+    let mut renderer = crate::renderer_of(device, scene, source, optics, [16, 12])?;
     renderer.render_plain(&view(scene), 0.0, DVec3::ZERO)
 }
 
 #[test]
 fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &optics);
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
-        let undisturbed = paint(device, &window(&layers), &shading, &scene).unwrap();
+        let undisturbed = paint(device, &window(&layers), &optics, &scene).unwrap();
         let (allocations, picture) =
-            with_each_allocation_failing(device, || paint(device, &window(&layers), &shading, &scene));
+            with_each_allocation_failing(device, || paint(device, &window(&layers), &optics, &scene));
         eprintln!("{allocations} allocations make a picture");
         assert!(allocations > 10, "{allocations}");
         assert_eq!(picture, undisturbed);
@@ -73,13 +72,13 @@ fn a_picture_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() 
 
 #[test]
 fn a_picture_of_the_mean_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
-    let shading = Shading { windows: Windows::All, ..shading(4.0, 2e-1) }.for_pictures();
+    let optics = Optics { windows: Windows::All, ..optics(4.0, 2e-1) }.for_pictures();
     let field = patch(SurfaceKind::Bumps, 2.0);
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
         let sizes = FootprintSizes { shorter: 1e-2, longer: 1e-2 };
-        let source = source(device, &field, &shading, Method::Table, sizes);
-        let paint = || paint(device, &source, &shading, &scene);
+        let source = source(device, &field, &optics, Method::Table, sizes);
+        let paint = || paint(device, &source, &optics, &scene);
         let expected = paint().unwrap();
         let (allocations, picture) = with_each_allocation_failing(device, paint);
         assert!(allocations > 10 && picture == expected, "{allocations}");
@@ -90,14 +89,14 @@ fn a_picture_of_the_mean_fails_cleanly_at_each_of_its_allocations_and_succeeds_a
 fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succeeds_afterwards() {
     let copies = [3, 2];
     let coherence = Coherence::Repeats(copies);
-    let shading = Shading { coherence, windows: Windows::ONE, tolerance: 1e-1, ..Shading::default() };
-    let shading = shading.for_pictures();
+    let optics = Optics { coherence, windows: Windows::ONE, tolerance: 1e-1, ..Optics::default() };
+    let optics = optics.for_pictures();
     let field = patch(SurfaceKind::Bumps, 2.0);
     let settings = LayerSettings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
-        budget: shading.budget().window,
-        basis: shading.basis,
+        budget: optics.budget().window,
+        basis: optics.basis,
         terms: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
@@ -106,24 +105,24 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
         let source = grating(&layers, copies, &field);
-        let expected = paint(device, &source, &shading, &scene).unwrap();
+        let expected = paint(device, &source, &optics, &scene).unwrap();
         let (allocations, picture) =
-            with_each_allocation_failing(device, || paint(device, &source, &shading, &scene));
+            with_each_allocation_failing(device, || paint(device, &source, &optics, &scene));
         assert!(allocations > 10 && picture == expected, "{allocations}");
     });
 }
 
 #[test]
 fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &optics);
     let scene = Scene::open("plate").unwrap();
     let view = view(&scene);
     with_device(|device| {
         let (allocations, samples) = with_each_allocation_failing(device, || {
             let mesh = &scene.main_object().mesh;
             let mut renderer =
-                crate::renderer(device, &window(&layers), &shading, mesh, &Pigment::white(), [16, 12])?;
+                crate::renderer(device, &window(&layers), &optics, mesh, &Pigment::white(), [16, 12])?;
             let times = profile::measure(&mut renderer, &view, 3, 1.0, &|_, _| Ok(()))?;
             let rates = profile::rates(&mut renderer, 16 * 12)?;
             renderer.directions(&view, 0)?;
@@ -145,11 +144,11 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
 
 #[test]
 fn answers_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &optics);
     let queries = queries(5, 20);
     with_device(|device| {
-        let ask = || Evaluator::new(device, &window(&layers), &shading)?.cosine_weighted(&queries);
+        let ask = || Evaluator::new(device, &window(&layers), &optics)?.cosine_weighted(&queries);
         let undisturbed = ask().unwrap();
         let (allocations, answers) = with_each_allocation_failing(device, ask);
         assert!(allocations > 5, "{allocations}");
@@ -159,12 +158,12 @@ fn answers_fail_cleanly_at_each_of_their_allocations_and_succeed_afterwards() {
 
 #[test]
 fn a_painter_that_could_not_grow_still_paints() {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &optics);
     let scene = Scene::open("plate").unwrap();
     let view = view(&scene);
     with_device(|device| {
-        let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, [16, 12]).unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &optics, [16, 12]).unwrap();
         let before = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         for n in 1.. {
             device.refuse_allocation(n);
@@ -188,36 +187,36 @@ fn a_budget_of_memory_holds() {
     let instance = Arc::new(Instance::masked(true, mask).unwrap());
     let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
     assert_eq!(device.candidate().memory, BUDGET);
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &optics);
     let scene = Scene::open("plate").unwrap();
-    paint(&device, &window(&layers), &shading, &scene).unwrap();
+    paint(&device, &window(&layers), &optics, &scene).unwrap();
     // 4096² pixels of geometry alone take four times as much.
-    let large = crate::renderer_of(&device, &scene, &window(&layers), &shading, [4096, 4096]);
+    let large = crate::renderer_of(&device, &scene, &window(&layers), &optics, [4096, 4096]);
     let error = large.err().expect("more than the budget");
     assert!(error.to_string().contains("no memory for the"), "{error}");
     assert!(error.remedies().contains(&Remedy::SmallerPicture), "{error}");
-    paint(&device, &window(&layers), &shading, &scene).unwrap();
+    paint(&device, &window(&layers), &optics, &scene).unwrap();
     drop(device);
     assert_eq!(instance.messages(), [""; 0]);
 }
 
 #[test]
 fn a_device_that_is_lost_at_any_submission_is_told_and_stays_lost() {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &optics);
     let scene = Scene::open("plate").unwrap();
     for n in (1..).step_by(7) {
         let mask = Mask { submission: Some(n), ..Mask::default() };
         let instance = Arc::new(Instance::masked(true, mask).unwrap());
         let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
-        let painted = paint(&device, &window(&layers), &shading, &scene);
+        let painted = paint(&device, &window(&layers), &optics, &scene);
         let done = painted.is_ok();
         if let Err(error) = painted {
             assert!(error.exit_code() == 1 && device.is_lost(), "{error}");
             assert!(error.to_string().contains("lost"), "{error}");
             assert!(
-                paint(&device, &window(&layers), &shading, &scene).is_err(),
+                paint(&device, &window(&layers), &optics, &scene).is_err(),
                 "a lost device does nothing any more"
             );
             assert_eq!(device.memory_in_use(), 0);

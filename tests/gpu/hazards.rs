@@ -1,7 +1,7 @@
 //! What the program records, replayed without the device: no barrier is missing.
 
 use crate::device::with_device;
-use crate::evaluation::{colours, grating, layers, patch, shading, window};
+use crate::evaluation::{colours, grating, layers, optics, patch, window};
 use crate::mean::source;
 use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
@@ -9,9 +9,8 @@ use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::scene::{Environment, Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::access::Access;
 use diffract::vk::device::Device;
@@ -70,19 +69,19 @@ fn view(scene: &Scene, lights: usize) -> View {
     View::of(scene, (0..lights).map(light).collect())
 }
 
-fn mean() -> Shading {
-    Shading { windows: Windows::All, ..shading(4.0, 2e-1) }.for_pictures()
+fn mean() -> Optics {
+    Optics { windows: Windows::All, ..optics(4.0, 2e-1) }.for_pictures()
 }
 
 #[test]
 fn an_evaluation_has_all_its_barriers() {
-    let shading = shading(4.0, 1e-1);
+    let optics = optics(4.0, 1e-1);
     let field = patch(SurfaceKind::Bumps, 2.0);
-    let layers = layers(&field, &shading);
+    let layers = layers(&field, &optics);
     with_device(|device| {
         for source in [window(&layers), grating(&layers, [3, 2], &field)] {
             let events = recorded(device, || {
-                let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
+                let mut evaluator = Evaluator::new(device, &source, &optics).unwrap();
                 for seed in 1..3 {
                     evaluator.cosine_weighted(&colours(seed, 100)).unwrap();
                 }
@@ -98,15 +97,15 @@ fn an_evaluation_has_all_its_barriers() {
 fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
     let field = patch(SurfaceKind::Bumps, 2.0);
     let scene = Scene::open("sphere").unwrap();
-    let one = shading(4.0, 1e-1);
+    let one = optics(4.0, 1e-1);
     let layers = layers(&field, &one);
     with_device(|device| {
         for lights in [1, 4] {
             let view = view(&scene, lights);
-            let draw = |source: &_, shading: &Shading| {
+            let draw = |source: &_, optics: &Optics| {
                 let white = Pigment::white();
                 let mesh = &scene.main_object().mesh;
-                let mut renderer = crate::renderer(device, source, shading, mesh, &white, SIZE).unwrap();
+                let mut renderer = crate::renderer(device, source, optics, mesh, &white, SIZE).unwrap();
                 // A frame and its read-back, the accumulation of several, and another size.
                 renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
                 let sampling = Sampling { count: 3, seed: 1 };

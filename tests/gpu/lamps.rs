@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::lights::{across_the_edge, floor_below_a_roof};
-use crate::mean::{shading, source};
+use crate::mean::{optics, source};
 use crate::measure::colours;
 use diffract::optics::color::Tone;
 use diffract::render::footprints::sizes_of;
@@ -13,11 +13,10 @@ use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed_of, reference_picture};
 use diffract::render::renderer::{PictureRequest, RendererSettings};
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -54,13 +53,13 @@ fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
             let (mesh, mut view) = floor(lights);
             view.environment = around.then(|| Environment::open("studio").unwrap());
             let source = Source::ClassicalGrating(ClassicalGrating::default());
-            let shading = Shading::default();
+            let optics = Optics::default();
             let lights = view.light_count();
             assert_eq!(lights, count + usize::from(around));
             let settings = RendererSettings { specular_spread: Some(1e-4), ..RendererSettings::default() };
             let object = (&mesh, &Pigment::white());
             let mut renderer =
-                crate::renderer_with(device, &source, &shading, object, SIZE, settings).unwrap();
+                crate::renderer_with(device, &source, &optics, object, SIZE, settings).unwrap();
             let sample = Sampling { count: 16, seed: 3 }.sample(5);
             let still = diffract::render::sampling::Sample { jitter: [0.0; 2], ..sample };
             for number in 0..lights {
@@ -89,10 +88,10 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
             let light = Light::parse(text).unwrap();
             let Emitter::Lamp(lamp) = light.emitter else { panic!() };
             let (mesh, view) = floor(vec![light]);
-            let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
+            let optics = Optics { reflectance: 1.0.into(), ..Optics::default() };
             let source = Source::ClassicalGrating(ClassicalGrating::default());
             let mut renderer =
-                crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
+                crate::renderer(device, &source, &optics, &mesh, &Pigment::white(), SIZE).unwrap();
             let sampling = Sampling { count: 256, seed: 4 };
             let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
             for i in [0, 20, 15 * 40 + 20, 29 * 40 + 39] {
@@ -155,15 +154,15 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
     let scene = Scene::open("sphere").unwrap();
     let lights = ["sphere:0.4:0.5,-2,2", "rectangle:1x0.3:-2,0,1.5"].map(|text| Light::parse(text).unwrap());
     let view = View::of(&scene, lights.to_vec());
-    let shading = shading(16.0, 2e-2).for_pictures();
+    let optics = optics(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
-        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, [160, 120]).unwrap();
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, [160, 120]).unwrap();
         let mut found = new(&probe);
         let sample = Sampling { count: 16, seed: 3 }.sample(6);
         let seen = [0, 1].map(|light| found.directions_of(&view, light, &sample).unwrap());
-        let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
-        let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
+        let exact = reference_picture(&field, &optics, &view, &seen, &|_, _| Ok(())).unwrap();
+        let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let mut renderer = new(&source);
         renderer.draw_sample(&view, &sample, SHOWN).unwrap();
         let error = colours(&renderer.read_back().unwrap().radiance, &exact);
@@ -183,12 +182,12 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     view.shows_surroundings = true;
     // Bright, so that what stands before the surroundings counts.
     view.base_color = Vec3::ONE;
-    let shading = Shading::default();
+    let optics = Optics::default();
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let size = [160, 120];
     let shown = Shown { exposure: -1.0, tone: Tone::Neutral, background: DVec3::ZERO };
     with_device(|device| {
-        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
+        let mut renderer = crate::renderer_of(device, &scene, &source, &optics, size).unwrap();
         for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
             let picture = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();

@@ -2,14 +2,14 @@
 
 use crate::device::with_device;
 use crate::evaluation::patch;
-use crate::mean::{shading, source};
+use crate::mean::{optics, source};
 use crate::measure::colours;
 use diffract::filter::FootprintSizes;
 use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Environment, Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::Method;
 use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, Vec3};
 
@@ -28,14 +28,14 @@ fn sum(pictures: &[Vec<[f32; 4]>]) -> Vec<[f32; 4]> {
 /// Pictures under each light of `view` alone, and under all of them.
 fn alone_and_together(view: &View, alone: Sampling, together: Sampling) -> [Vec<[f32; 4]>; 2] {
     let scene = Scene::open("sphere").unwrap();
-    let (field, shading) = (patch(SurfaceKind::Bumps, 2.0), shading(8.0, 2e-2).for_pictures());
+    let (field, optics) = (patch(SurfaceKind::Bumps, 2.0), optics(8.0, 2e-2).for_pictures());
     let mut pictures = None;
     with_device(|device| {
         let sizes = FootprintSizes { shorter: 1e-2, longer: 1e-2 };
-        let source = source(device, &field, &shading, Method::Table, sizes);
+        let source = source(device, &field, &optics, Method::Table, sizes);
         let mesh = (&scene.main_object().mesh, &Pigment::white());
         let mut renderer =
-            crate::renderer_with(device, &source, &shading, mesh, SIZE, crate::shadows(true)).unwrap();
+            crate::renderer_with(device, &source, &optics, mesh, SIZE, crate::shadows(true)).unwrap();
         let mut paint = |view: &View, sampling: &Sampling| {
             renderer.render(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
         };

@@ -13,9 +13,9 @@ use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
-use diffract::setup::{Method, pigment_alone};
+use diffract::settings::{Method, Optics};
+use diffract::setup::pigment_alone;
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -46,13 +46,13 @@ target = [0.2, 0.0, 0.0]
 field_of_view = "30deg"
 "#;
 
-fn shading(illuminant: Illuminant) -> Shading {
-    Shading {
+fn optics(illuminant: Illuminant) -> Optics {
+    Optics {
         coherence: Coherence::Gaussian { length: 16.0 },
         windows: Windows::All,
         tolerance: 2e-2,
         illuminant,
-        ..Shading::default()
+        ..Optics::default()
     }
     .for_pictures()
 }
@@ -65,9 +65,9 @@ fn sources(
     illuminants: &[Illuminant],
 ) -> ObjectSources {
     let mut all = illuminants.iter().map(|illuminant| {
-        let shading = shading(illuminant.clone());
-        let source = source(device, field, &shading, method, FootprintSizes::default());
-        ObjectSource { source, shading }
+        let optics = optics(illuminant.clone());
+        let source = source(device, field, &optics, method, FootprintSizes::default());
+        ObjectSource { source, optics }
     });
     ObjectSources { own: all.next().unwrap(), under: all.collect() }
 }
@@ -75,7 +75,7 @@ fn sources(
 fn dark(illuminants: &[Illuminant]) -> ObjectSources {
     let mut all = illuminants
         .iter()
-        .map(|illuminant| ObjectSource { source: pigment_alone(), shading: shading(illuminant.clone()) });
+        .map(|illuminant| ObjectSource { source: pigment_alone(), optics: optics(illuminant.clone()) });
     ObjectSources { own: all.next().unwrap(), under: all.collect() }
 }
 
@@ -165,17 +165,11 @@ fn a_white_surface_has_the_white_of_the_light() {
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
         for illuminant in [Illuminant::D65, Illuminant::A, Illuminant::E, Illuminant::Led] {
-            let shading = Shading { reflectance: 1.0.into(), ..shading(illuminant.clone()) };
+            let optics = Optics { reflectance: 1.0.into(), ..optics(illuminant.clone()) };
             let pigment = Pigment::white();
-            let mut renderer = crate::renderer(
-                device,
-                &pigment_alone(),
-                &shading,
-                &scene.main_object().mesh,
-                &pigment,
-                SIZE,
-            )
-            .unwrap();
+            let mut renderer =
+                crate::renderer(device, &pigment_alone(), &optics, &scene.main_object().mesh, &pigment, SIZE)
+                    .unwrap();
             let lights = vec![Light::point(0.0, 0.0, 2.0)];
             let view = View { base_color: Vec3::ONE, ..View::of(&scene, lights) };
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
@@ -201,7 +195,7 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
     let lights = ["45,-40,2@a", "60,60,1", "30,170,1@led"].map(|text| Light::parse(text).unwrap());
     let view = View::of(&scene, lights.to_vec());
     let every = [Illuminant::D65, Illuminant::A, Illuminant::Led];
-    let shading = shading(Illuminant::D65);
+    let optics = optics(Illuminant::D65);
     let textures = ObjectTextures::of(&scene).unwrap();
     with_device(|device| {
         for (method, most) in [(Method::Table, 2e-2)] {
@@ -210,7 +204,7 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
             let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let seen: Vec<_> = (0..3).map(|light| renderer.directions(&view, light).unwrap()).collect();
-            let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+            let exact = reference_picture(&field, &optics, &view, &seen, &|_, _| Ok(())).unwrap();
             let (mut difference, mut whole) = (0.0, 0.0);
             for (found, exact) in picture.radiance.iter().zip(&exact) {
                 for c in 0..3 {

@@ -17,11 +17,10 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Corner, Environment, FarLight, Light, Mesh, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Optics};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -43,13 +42,13 @@ fn plate(theta: f32, lights: Vec<Light>, environment: Option<Environment>) -> (S
     (scene, view)
 }
 
-fn shading(length: f64, reflectance: f64) -> Shading {
-    Shading {
+fn optics(length: f64, reflectance: f64) -> Optics {
+    Optics {
         coherence: Coherence::Gaussian { length },
         windows: Windows::All,
         tolerance: 2e-2,
         reflectance: reflectance.into(),
-        ..Shading::default()
+        ..Optics::default()
     }
     .for_pictures()
 }
@@ -58,13 +57,13 @@ fn shading(length: f64, reflectance: f64) -> Shading {
 fn radiance(
     device: &Arc<Device>,
     field: &HeightField,
-    shading: &Shading,
+    optics: &Optics,
     (scene, view): &(Scene, View),
     samplings: &[Sampling],
 ) -> Vec<DVec3> {
     const SIZE: [u32; 2] = [12, 12];
-    let source = source(device, field, shading, Method::Table, FootprintSizes::default());
-    let mut renderer = crate::renderer_of(device, scene, &source, shading, SIZE).unwrap();
+    let source = source(device, field, optics, Method::Table, FootprintSizes::default());
+    let mut renderer = crate::renderer_of(device, scene, &source, optics, SIZE).unwrap();
     let mean = |sampling: &Sampling| {
         let picture = renderer.render(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
         let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
@@ -83,13 +82,13 @@ const MIRROR: f64 = 1e9;
 #[test]
 fn under_a_white_sky_a_surface_that_absorbs_nothing_is_as_bright_as_its_closed_form() {
     let white = Environment::of(&|_| Vec3::ONE);
-    let shading = shading(8.0, MIRROR);
+    let optics = optics(8.0, MIRROR);
     with_device(|device| {
         for (kind, theta) in [(SurfaceKind::Flat, 0.0f64), (SurfaceKind::Blaze, 20.0)] {
             let field = patch(kind, 10.0);
             let scene = plate(theta.to_radians() as f32, Vec::new(), Some(white.clone()));
-            let found = radiance(device, &field, &shading, &scene, &[Sampling { count: 512, seed: 0 }])[0];
-            let expected = albedo(&field, &shading, theta);
+            let found = radiance(device, &field, &optics, &scene, &[Sampling { count: 512, seed: 0 }])[0];
+            let expected = albedo(&field, &optics, theta);
             let apart = (found - expected).length() / expected.length();
             eprintln!("{} at {theta}: {found:.3} for {expected:.3}: {apart:.3}", kind.name());
             if kind == SurfaceKind::Flat {
@@ -113,7 +112,7 @@ fn slow(direction: DVec3) -> Vec3 {
 #[test]
 fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sample() {
     let field = patch(SurfaceKind::Flat, 10.0);
-    let shading = shading(16.0, MIRROR);
+    let optics = optics(16.0, MIRROR);
     let lamp = Light::point(10.0, 90.0, 1.0);
     with_device(|device| {
         for (theta, rotation, exposure, lamps) in
@@ -122,7 +121,7 @@ fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sampl
             let mut around = Environment::of(&slow);
             around.placement = Placement::new(rotation, exposure).unwrap();
             let scene = plate(theta.to_radians() as f32, vec![lamp.clone(); lamps], Some(around));
-            let found = radiance(device, &field, &shading, &scene, &[Sampling::ONE])[0];
+            let found = radiance(device, &field, &optics, &scene, &[Sampling::ONE])[0];
             let (sin, cos) = theta.to_radians().sin_cos();
             // What stood at `direction` before the surroundings were turned.
             let mirrored = DQuat::from_rotation_z(-rotation.to_radians()) * DVec3::new(-sin, 0.0, cos);
@@ -141,7 +140,7 @@ fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sampl
 fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     const SIZE: [u32; 2] = [80, 60];
     let field = patch(SurfaceKind::Elaphe, 12.0);
-    let shading = shading(16.0, 1.5);
+    let optics = optics(16.0, 1.5);
     let scene = Scene::open("sphere").unwrap();
     let lamp = Light::point(45.0, -40.0, 1.0);
     let mut in_studio = View::of(&scene, vec![lamp]);
@@ -159,11 +158,10 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
         for (view, allowed, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
             let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
-            let reference = |seen: &[Directions]| {
-                reference_picture(&field, &shading, view, seen, &|_, _| Ok(())).unwrap()
-            };
-            let source = source(device, &field, &shading, Method::Table, sizes);
-            let mut renderer = crate::renderer(device, &source, &shading, mesh, &white, SIZE).unwrap();
+            let reference =
+                |seen: &[Directions]| reference_picture(&field, &optics, view, seen, &|_, _| Ok(())).unwrap();
+            let source = source(device, &field, &optics, Method::Table, sizes);
+            let mut renderer = crate::renderer(device, &source, &optics, mesh, &white, SIZE).unwrap();
             renderer.draw_sample(view, &sample, SHOWN).unwrap();
             let found = renderer.read_back().unwrap().radiance;
             let seen: Vec<Directions> =
@@ -185,10 +183,10 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
 
 /// Linear sRGB of what comes back to `theta` \[degrees\] of light from everywhere, in f64: the sum over a fine lattice of (u, v), where
 /// cos θ_i dω_i = du dv, of f itself.
-fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
-    let sigma = shading.coherence.sigma().unwrap();
-    let reflectance = shading.reflectance.clone();
-    let mean = MeanBrdf { field, sigma, beyond: shading.beyond, reflectance };
+fn albedo(field: &HeightField, optics: &Optics, theta: f64) -> DVec3 {
+    let sigma = optics.coherence.sigma().unwrap();
+    let reflectance = optics.reflectance.clone();
+    let mean = MeanBrdf { field, sigma, beyond: optics.beyond, reflectance };
     let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
     let view = direction(theta, 0.0);
     // Fine against the blur of the orders by coherence, λ/(√8 π σ) ≥ 0.02; the lattice adds its own.
@@ -210,16 +208,16 @@ fn albedo(field: &HeightField, shading: &Shading, theta: f64) -> DVec3 {
 #[test]
 fn a_disc_of_light_is_the_mean_over_its_points() {
     let field = patch(SurfaceKind::Blaze, 10.0);
-    let shading = shading(16.0, MIRROR);
+    let optics = optics(16.0, MIRROR);
     let disc = FarLight::parse("disc:12deg:35,180").unwrap();
     with_device(|device| {
         let scene = plate(0.3, vec![disc.into()], None);
         let samplings = [64, 1024].map(|count| Sampling { count, seed: 5 });
-        let found = radiance(device, &field, &shading, &scene, &samplings);
+        let found = radiance(device, &field, &optics, &scene, &samplings);
         // In f64, over directions spread evenly within the disc.
-        let sigma = shading.coherence.sigma().unwrap();
-        let reflectance = shading.reflectance.clone();
-        let mean = MeanBrdf { field: &field, sigma, beyond: shading.beyond, reflectance };
+        let sigma = optics.coherence.sigma().unwrap();
+        let reflectance = optics.reflectance.clone();
+        let mean = MeanBrdf { field: &field, sigma, beyond: optics.beyond, reflectance };
         let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
         let view = DVec3::new(0.3f64.sin(), 0.0, 0.3f64.cos());
         let centre = direction(disc.theta, disc.phi);
@@ -245,7 +243,7 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
         // 64 samples soften the edge of the disc by a quarter of its spread.
         assert!(errors[0] < 0.12 && errors[1] < 0.04, "{found:?} instead of {exact}");
         let point = plate(0.3, vec![FarLight { size: 0.0, ..disc }.into()], None);
-        let wrong = radiance(device, &field, &shading, &point, &samplings[..1])[0];
+        let wrong = radiance(device, &field, &optics, &point, &samplings[..1])[0];
         assert!((wrong - exact).length() > 0.2 * exact.length(), "a point is as good: {wrong}");
     });
 }
@@ -278,9 +276,9 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
     (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
     view.base_color = Vec3::ONE;
     let column = |shadows: bool| -> Vec<f64> {
-        let shading = Shading { reflectance: 1.0.into(), ..Shading::default() };
+        let optics = Optics { reflectance: 1.0.into(), ..Optics::default() };
         let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(shadows));
-        let mut renderer = crate::renderer_with(device, &source, &shading, object, SIZE, settings).unwrap();
+        let mut renderer = crate::renderer_with(device, &source, &optics, object, SIZE, settings).unwrap();
         let sampling = Sampling { count: samples, seed: 2 };
         let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
         picture.radiance.iter().skip(1).step_by(3).map(|p| f64::from(p[1])).collect()
@@ -333,10 +331,9 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                 view.base_color = Vec3::ONE;
                 let paint = |shadows: bool| {
                     let object = (&scene.main_object().mesh, &Pigment::white());
-                    let (shading, settings) = (Shading::default(), crate::shadows(shadows));
+                    let (optics, settings) = (Optics::default(), crate::shadows(shadows));
                     let mut renderer =
-                        crate::renderer_with(device, &source, &shading, object, [160, 120], settings)
-                            .unwrap();
+                        crate::renderer_with(device, &source, &optics, object, [160, 120], settings).unwrap();
                     renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance
                 };
                 let (with, without) = (paint(true), paint(false));
@@ -363,10 +360,10 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
             view.camera = Camera::looking(Vec3::new(1.0, -1.0, 3.0), Vec3::ZERO, 0.9).unwrap();
             (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
             view.base_color = Vec3::ONE;
-            let shading = Shading::default();
+            let optics = Optics::default();
             let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(true));
             let mut renderer =
-                crate::renderer_with(device, &source, &shading, object, [40, 30], settings).unwrap();
+                crate::renderer_with(device, &source, &optics, object, [40, 30], settings).unwrap();
             renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance
         };
         let (outward, inward) = (paint([a, b, c]), paint([a, c, b]));
@@ -382,12 +379,12 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
-    let shading = shading(65.0, 1.5);
+    let optics = optics(65.0, 1.5);
     with_device(|device| {
         const SIZE: [u32; 2] = [160, 90];
         let sizes = FootprintSizes { shorter: 0.01, longer: 0.03 };
-        let source = source(device, &field, &shading, Method::Table, sizes);
-        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
+        let source = source(device, &field, &optics, Method::Table, sizes);
+        let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
         let [few, more, most] = [16, 64, 256].map(|count| {
             let sampling = Sampling { count, seed: 1 };
             renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance

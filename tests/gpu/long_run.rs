@@ -1,7 +1,7 @@
 //! Frame after frame: what a program takes while it draws, and that it takes no more and more.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading, window};
+use crate::evaluation::{layers, optics, patch, window};
 use diffract::figure::{Axis, Figure, Mark, Panel, palette};
 use diffract::render::frame::View;
 use diffract::scene::{Light, Scene};
@@ -33,11 +33,11 @@ fn resident() -> u64 {
 
 /// Draws `frames` frames, the light a little further each time, and looks `looks` times.
 fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
-    let shading = shading(4.0, 1e-1);
-    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &shading);
+    let optics = optics(4.0, 1e-1);
+    let layers = layers(&patch(SurfaceKind::Bumps, 2.0), &optics);
     let scene = Scene::open("plate").unwrap();
     let mut view = View::of(&scene, vec![Light::point(40.0, 0.0, 1.0)]);
-    let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, [16, 12]).unwrap();
+    let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &optics, [16, 12]).unwrap();
     let mut samples = Vec::with_capacity(looks + 1);
     for frame in 0..=frames {
         view.lights[0] = Light::point(40.0, (frame % 360) as f64, 1.0);

@@ -38,9 +38,9 @@ use diffract::error::Result;
 use diffract::render::object::{ObjectData, ObjectSources};
 use diffract::render::pigment::Pigment;
 use diffract::render::renderer::{Renderer, RendererSettings};
-use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Mesh, Scene};
+use diffract::settings::Optics;
 use diffract::vk::device::Device;
 use std::sync::Arc;
 
@@ -48,12 +48,12 @@ use std::sync::Arc;
 fn renderer(
     device: &Arc<Device>,
     source: &Source,
-    shading: &Shading,
+    optics: &Optics,
     mesh: &Mesh,
     pigment: &Pigment,
     size: [u32; 2],
 ) -> Result<Renderer> {
-    renderer_with(device, source, shading, (mesh, pigment), size, RendererSettings::default())
+    renderer_with(device, source, optics, (mesh, pigment), size, RendererSettings::default())
 }
 
 /// Settings of a renderer whose objects cast shadows, if `shadows`.
@@ -65,12 +65,12 @@ fn shadows(shadows: bool) -> RendererSettings {
 fn renderer_with(
     device: &Arc<Device>,
     source: &Source,
-    shading: &Shading,
+    optics: &Optics,
     (mesh, pigment): (&Mesh, &Pigment),
     size: [u32; 2],
     settings: RendererSettings,
 ) -> Result<Renderer> {
-    let sources = ObjectSources::new(source.clone(), shading.clone());
+    let sources = ObjectSources::new(source.clone(), optics.clone());
     Renderer::new(device, &[ObjectData::new(mesh, pigment, &sources)], size, settings)
 }
 
@@ -79,8 +79,8 @@ fn renderer_of(
     device: &Arc<Device>,
     scene: &Scene,
     source: &Source,
-    shading: &Shading,
+    optics: &Optics,
     size: [u32; 2],
 ) -> Result<Renderer> {
-    renderer(device, source, shading, &scene.main_object().mesh, &Pigment::white(), size)
+    renderer(device, source, optics, &scene.main_object().mesh, &Pigment::white(), size)
 }

@@ -23,10 +23,10 @@ use diffract::render::reference_picture::{
     PixelReference, ReferenceObject, ReferenceSamples, covered, reference_mean, reference_picture,
 };
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Camera, Light, Scene};
-use diffract::setup::{self, InUse, Method};
+use diffract::settings::{Method, Optics};
+use diffract::setup::{self, InUse, SourceSettings};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -34,29 +34,29 @@ use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
 
 /// Of the mean over all windows.
-pub fn shading(length: f64, tolerance: f64) -> Shading {
+pub fn optics(length: f64, tolerance: f64) -> Optics {
     let coherence = Coherence::Gaussian { length };
-    Shading { coherence, windows: Windows::All, tolerance, ..Shading::default() }
+    Optics { coherence, windows: Windows::All, tolerance, ..Optics::default() }
 }
 
 /// What is shaded from, for pixels with these `footprints`.
 pub fn source(
     device: &Arc<Device>,
     field: &HeightField,
-    shading: &Shading,
+    optics: &Optics,
     method: Method,
     footprints: FootprintSizes,
 ) -> Source {
-    let settings =
-        setup::Settings { cached: false, footprints, ..setup::Settings::new(method, shading.clone()) };
+    let settings = SourceSettings::new(Optics { method, ..optics.clone() });
+    let settings = SourceSettings { cached: false, footprints, ..settings };
     setup::source(field, &settings, device.candidate(), &mut InUse::default(), &|_, _, _| Ok(()))
         .unwrap()
         .source
 }
 
-fn mean<'a>(field: &'a HeightField, shading: &Shading) -> MeanBrdf<'a> {
-    let sigma = shading.coherence.sigma().unwrap();
-    MeanBrdf { field, sigma, beyond: shading.beyond, reflectance: shading.reflectance.clone() }
+fn mean<'a>(field: &'a HeightField, optics: &Optics) -> MeanBrdf<'a> {
+    let sigma = optics.coherence.sigma().unwrap();
+    MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() }
 }
 
 /// Twice as high.
@@ -84,14 +84,14 @@ fn colours_by_a_table_meet_their_tolerance() {
             (SurfaceKind::Bumps, 4.0, 12.0),
         ] {
             let field = patch(kind, side);
-            let any = shading(length, 1.0);
+            let any = optics(length, 1.0);
             let table = TabulatedMean::new(mean(&field, &any), SHORTEST, &|_, _| Ok(())).unwrap();
             let exact = table.xyz(&any.illuminant, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
             for tolerance in tolerances {
-                let shading = shading(length, tolerance);
+                let optics = optics(length, tolerance);
                 let answers = |field: &HeightField| {
-                    let source = source(device, field, &shading, Method::Table, FootprintSizes::default());
-                    let mut evaluator = Evaluator::new(device, &source, &shading).unwrap();
+                    let source = source(device, field, &optics, Method::Table, FootprintSizes::default());
+                    let mut evaluator = Evaluator::new(device, &source, &optics).unwrap();
                     evaluator.cosine_weighted(&queries).unwrap()
                 };
                 let error = relative(&answers(&field), &exact);
@@ -122,8 +122,7 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
             ("glass", None, Polarisation::Tm),
         ] {
             let reflectance = Reflectance::of_material(material(name), film).polarised(light);
-            let of =
-                |windows| Shading { windows, reflectance: reflectance.clone(), ..shading(8.0, tolerance) };
+            let of = |windows| Optics { windows, reflectance: reflectance.clone(), ..optics(8.0, tolerance) };
             let table =
                 TabulatedMean::new(mean(&field, &of(Windows::All)), SHORTEST, &|_, _| Ok(())).unwrap();
             let exact = table.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
@@ -133,15 +132,15 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
             for (windows, method, exact) in
                 [(Windows::All, Method::Table, &exact), (Windows::ONE, Method::Spectral, &of_window)]
             {
-                let answers = |shading: &Shading| {
-                    let source = source(device, &field, shading, method, FootprintSizes::default());
-                    Evaluator::new(device, &source, shading).unwrap().cosine_weighted(&queries).unwrap()
+                let answers = |optics: &Optics| {
+                    let source = source(device, &field, optics, method, FootprintSizes::default());
+                    Evaluator::new(device, &source, optics).unwrap().cosine_weighted(&queries).unwrap()
                 };
                 let error = relative(&answers(&of(windows)), exact);
                 eprintln!("{name}, {film:?}, {light:?}, {windows:?} by {}: {error:.2e}", method.name());
                 assert!(error <= tolerance, "{name}, {windows:?} by {}: {error:e}", method.name());
                 // Schlick's dielectric is far from it.
-                let plain = relative(&answers(&Shading { windows, ..shading(8.0, tolerance) }), exact);
+                let plain = relative(&answers(&Optics { windows, ..optics(8.0, tolerance) }), exact);
                 assert!(plain > 2.0 * tolerance, "{name} by {}: {plain:e}", method.name());
             }
         }
@@ -150,10 +149,10 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
 
 #[test]
 fn a_table_refuses_single_wavelengths() {
-    let (field, shading) = (patch(SurfaceKind::Elaphe, 4.0), shading(16.0, 1e-1));
+    let (field, optics) = (patch(SurfaceKind::Elaphe, 4.0), optics(16.0, 1e-1));
     with_device(|device| {
-        let table = source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut evaluator = Evaluator::new(device, &table, &shading).unwrap();
+        let table = source(device, &field, &optics, Method::Table, FootprintSizes::default());
+        let mut evaluator = Evaluator::new(device, &table, &optics).unwrap();
         assert!(evaluator.cosine_weighted(&queries(22, 1)).is_err(), "a table holds colours");
     });
 }
@@ -163,9 +162,9 @@ const SIZE: [u32; 2] = [64, 48];
 /// The directions of each light of `view`, with footprints.
 fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Directions> {
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let (shading, pigment, lights) = (Shading::default(), Pigment::white(), view.lights.len());
+    let (optics, pigment, lights) = (Optics::default(), Pigment::white(), view.lights.len());
     let mut renderer =
-        crate::renderer(device, &source, &shading, &scene.main_object().mesh, &pigment, SIZE).unwrap();
+        crate::renderer(device, &source, &optics, &scene.main_object().mesh, &pigment, SIZE).unwrap();
     (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect()
 }
 
@@ -176,21 +175,21 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
-    let shading = shading(16.0, 2e-2).for_pictures();
+    let optics = optics(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let seen = directions(device, &scene, &view);
-        let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
+        let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let mesh = &scene.main_object().mesh;
-        let mut renderer = crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+        let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance;
-        let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
+        let exact = reference_picture(&field, &optics, &view, &seen, &|_, _| Ok(())).unwrap();
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
         let found = errors(&paint(&view));
         eprintln!("pictures by a table: {found:.4?}");
         // Without footprints the reference is another picture.
         let points: Vec<Directions> =
             seen.iter().map(|seen| Directions { footprints: Vec::new(), ..seen.clone() }).collect();
-        let sharp = reference_picture(&field, &shading, &view, &points, &|_, _| Ok(())).unwrap();
+        let sharp = reference_picture(&field, &optics, &view, &points, &|_, _| Ok(())).unwrap();
         let without = [0, 1, 2].map(|c| channel(&sharp, &exact, c));
         let mut moved = view.clone();
         moved.lights[0] = Light::point(50.0, -40.0, 2.0);
@@ -225,12 +224,12 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
     // at one place of (u, v).
     for (kind, allowed) in [(SurfaceKind::Flat, 0.02), (SurfaceKind::Elaphe, 0.07)] {
         let field = patch(kind, 4.0);
-        let shading = Shading { reflectance: reflectance.clone(), ..shading(8.0, 2e-2) }.for_pictures();
+        let optics = Optics { reflectance: reflectance.clone(), ..optics(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
             let seen = directions(device, &scene, &view);
-            let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
-            let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-            let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
+            let exact = reference_picture(&field, &optics, &view, &seen, &|_, _| Ok(())).unwrap();
+            let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
+            let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
             let found = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
@@ -244,20 +243,20 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
-    let shading = shading(16.0, 2e-2).for_pictures();
+    let optics = optics(16.0, 2e-2).for_pictures();
     let sampling = Sampling { count: 16, seed: 7 };
     let shown = Shown::plain(0.0, DVec3::ZERO);
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
-        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, SIZE).unwrap();
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, SIZE).unwrap();
         let mut directions = new(&probe);
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
-        let (shading, base_color) = (&shading, view.base_color);
-        let object = ReferenceObject { field: Some(&field), shading, base_color };
+        let (optics, base_color) = (&optics, view.base_color);
+        let object = ReferenceObject { field: Some(&field), optics, base_color };
         let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
         let exact = reference_mean(&[object], &view, &samples, &mut seen, &|_, _| Ok(())).unwrap();
-        let source = source(device, &field, shading, Method::Table, least);
+        let source = source(device, &field, optics, Method::Table, least);
         let found = new(&source).render(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
         let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
         eprintln!("16 samples: {errors:.4?}");
@@ -273,7 +272,7 @@ fn a_turntable_does_not_shimmer() {
     const COMPARED: usize = 60;
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
-    let shading = shading(16.0, 2e-2).for_pictures();
+    let optics = optics(16.0, 2e-2).for_pictures();
     let view_of = |frame: usize| {
         let phi = -40.0 + STEP * frame as f64;
         View::of(&scene, vec![Light::point(45.0, phi, 2.0)])
@@ -281,10 +280,10 @@ fn a_turntable_does_not_shimmer() {
     with_device(|device| {
         let first = directions(device, &scene, &view_of(0));
         let pixels = error::sample(&covered(&first), COMPARED);
-        let source = source(device, &field, &shading, Method::Table, sizes_of(&first));
+        let source = source(device, &field, &optics, Method::Table, sizes_of(&first));
         let mesh = &scene.main_object().mesh;
-        let mut renderer = crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
-        let reference = PixelReference::new(&field, &shading, &|_, _| Ok(())).unwrap();
+        let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
+        let reference = PixelReference::new(&field, &optics, &|_, _| Ok(())).unwrap();
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {
             let view = view_of(frame);
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
@@ -318,10 +317,10 @@ fn the_work_of_a_table_is_the_texels_of_a_place_for_each_tap() {
     let field = patch(SurfaceKind::Bumps, 4.0);
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(45.0, -40.0, 2.0)]);
-    let shading = shading(8.0, 1e-1).for_pictures();
+    let optics = optics(8.0, 1e-1).for_pictures();
     with_device(|device| {
         let seen = directions(device, &scene, &view);
-        let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
+        let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let Source::Table(table) = &source else { panic!("not a table") };
         let texels = table.table.header.basis.texels();
         let points = [Directions { footprints: Vec::new(), ..seen[0].clone() }];
@@ -329,15 +328,15 @@ fn the_work_of_a_table_is_the_texels_of_a_place_for_each_tap() {
         let is_lit =
             |(light, view): (&[f32; 4], &[f32; 4])| view[3] != 0.0 && light[2] > 0.0 && view[2] > 0.0;
         let lit = seen[0].light.iter().zip(&seen[0].view).filter(|&pixel| is_lit(pixel)).count();
-        let cost = source.cost(&shading, &points);
+        let cost = source.cost(&optics, &points);
         assert!(lit > cost.covered / 2 && lit < cost.covered, "{lit} of {}", cost.covered);
         assert_eq!(cost.samples, texels * lit);
         // Three rows at the most, of which the one of the coarser level has fewer taps.
         let most = texels as f64 * 3.0 * MOST_OF_ROW as f64;
-        let along = source.cost(&shading, &seen).samples_per_pixel();
+        let along = source.cost(&optics, &seen).samples_per_pixel();
         assert!(along > cost.samples_per_pixel() && along <= most, "{along}");
         // As many for every light.
         let both = [seen[0].clone(), seen[0].clone()];
-        assert_eq!(source.cost(&shading, &both).samples_per_pixel(), 2.0 * along);
+        assert_eq!(source.cost(&optics, &both).samples_per_pixel(), 2.0 * along);
     });
 }

@@ -12,10 +12,10 @@ use diffract::render::object::{ObjectData, ObjectSources, ObjectTextures, object
 use diffract::render::pigment::Pigment;
 use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Grooves, Light, Scene};
-use diffract::setup::{Method, pigment_alone};
+use diffract::settings::{Method, Optics};
+use diffract::setup::pigment_alone;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::DVec3;
@@ -48,13 +48,13 @@ target = [0.2, 0.0, 0.0]
 field_of_view = "30deg"
 "#;
 
-fn shading(reflectance: f64) -> Shading {
-    Shading {
+fn optics(reflectance: f64) -> Optics {
+    Optics {
         coherence: Coherence::Gaussian { length: 16.0 },
         windows: Windows::All,
         tolerance: 2e-2,
         reflectance: reflectance.into(),
-        ..Shading::default()
+        ..Optics::default()
     }
     .for_pictures()
 }
@@ -73,13 +73,13 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
     with_device(|device| {
         let footprints = FootprintSizes::default();
         // Sources of three kinds: a table, a sum over wavelengths, and none.
-        let of_window = Shading { windows: Windows::ONE, tolerance: 1e-1, ..shading(2.0) };
-        let shadings = [shading(1.5), of_window, Shading::default()];
+        let of_window = Optics { windows: Windows::ONE, tolerance: 1e-1, ..optics(2.0) };
+        let shadings = [optics(1.5), of_window, Optics::default()];
         let first =
             source(device, &patch(SurfaceKind::Elaphe, 12.0), &shadings[0], Method::Table, footprints);
         let second = window(&layers(&patch(SurfaceKind::Blaze, 12.0), &shadings[1]));
         let sources = [first, second, pigment_alone()].into_iter().zip(shadings);
-        let sources: Vec<_> = sources.map(|(source, shading)| ObjectSources::new(source, shading)).collect();
+        let sources: Vec<_> = sources.map(|(source, optics)| ObjectSources::new(source, optics)).collect();
         let all = objects(&scene, &textures, &sources);
         let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
         renderer.draw_sample(&view, &sample, shown).unwrap();
@@ -128,7 +128,7 @@ fn objects_cast_shadows_on_each_other_and_on_the_ground_which_casts_none() {
     scene.lights = vec![Light::point(60.0, -110.0, 2.0), Light::point(150.0, -80.0, 2.0)];
     let view = View::of(&scene, scene.lights.clone());
     let textures = ObjectTextures::of(&scene).unwrap();
-    let sources = [(); 3].map(|()| ObjectSources::new(pigment_alone(), Shading::default()));
+    let sources = [(); 3].map(|()| ObjectSources::new(pigment_alone(), Optics::default()));
     with_device(|device| {
         let all = objects(&scene, &textures, &sources);
         let lit = |objects: &[ObjectData<'_>], light: usize| {
@@ -159,7 +159,7 @@ fn objects_cast_shadows_on_each_other_and_on_the_ground_which_casts_none() {
 fn directions(device: &Arc<Device>, view: &View, grooves: &GrooveDirections) -> Directions {
     let scene = Scene::open("plate").unwrap();
     let source = Source::ClassicalGrating(ClassicalGrating::default());
-    let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
+    let (sources, pigment) = (ObjectSources::new(source, Optics::default()), Pigment::white());
     let object = ObjectData {
         mesh: &scene.main_object().mesh,
         pigment: &pigment,

@@ -1,15 +1,15 @@
 //! Whole pictures against the f64 reference picture, per channel in linear light.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading, window};
+use crate::evaluation::{layers, optics, patch, window};
 use crate::measure::channel;
 use diffract::render::directions::Directions;
 use diffract::render::frame::View;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::renderer::Picture;
-use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
+use diffract::settings::Optics;
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
@@ -22,12 +22,12 @@ const SIZE: [u32; 2] = [96, 72];
 fn paint(
     device: &Arc<Device>,
     field: &HeightField,
-    shading: &Shading,
+    optics: &Optics,
     scene: &Scene,
     view: &View,
 ) -> (Picture, Vec<Directions>) {
-    let layers = layers(field, shading);
-    let mut renderer = crate::renderer_of(device, scene, &window(&layers), shading, SIZE).unwrap();
+    let layers = layers(field, optics);
+    let mut renderer = crate::renderer_of(device, scene, &window(&layers), optics, SIZE).unwrap();
     let picture = renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..view.lights.len()).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)
@@ -42,10 +42,10 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
     with_device(|device| {
         let mut exact: Option<Vec<[f32; 4]>> = None;
         for tolerance in [1e-1, 1e-2, 1e-3] {
-            let shading = shading(8.0, tolerance);
-            let (picture, directions) = paint(device, &field, &shading, &scene, &view);
+            let optics = optics(8.0, tolerance);
+            let (picture, directions) = paint(device, &field, &optics, &scene, &view);
             let exact = exact.get_or_insert_with(|| {
-                reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap()
+                reference_picture(&field, &optics, &view, &directions, &|_, _| Ok(())).unwrap()
             });
             let covered = exact.iter().filter(|p| p[3] == 1.0).count();
             assert!(covered > 1000, "only {covered} pixels are covered");
@@ -56,7 +56,7 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
                 // What must not pass: the light moved by half a degree, and red and blue exchanged.
                 let mut moved = view.clone();
                 moved.lights[0] = Light::point(45.5, -40.0, 2.0);
-                let (wrong, _) = paint(device, &field, &shading, &scene, &moved);
+                let (wrong, _) = paint(device, &field, &optics, &scene, &moved);
                 assert!(channel(&wrong.radiance, exact, 1) > tolerance);
                 let swapped: Vec<_> = picture.radiance.iter().map(|p| [p[2], p[1], p[0], p[3]]).collect();
                 assert!(channel(&swapped, exact, 0) > tolerance);
@@ -69,20 +69,20 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
 fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under_four() {
     let field = patch(SurfaceKind::Flat, 2.0);
     let scene = Scene::open("sphere").unwrap();
-    let shading = shading(4.0, 1e-1);
+    let optics = optics(4.0, 1e-1);
     let light = |phi: f64| Light::point(40.0, phi, 1.0);
     // sRGB codes 255 and 0 are exactly 1 and 0.
     let green = Pigment { size: [2, 2], texels: [0, 255, 0, 255].repeat(4) };
     let base = |color: Vec3, view: &View| View { base_color: color, ..view.clone() };
     with_device(|device| {
-        let layers = layers(&field, &shading);
+        let layers = layers(&field, &optics);
         for lights in [vec![light(10.0)], [10.0, 80.0, 200.0, -60.0].map(light).to_vec()] {
             let plain = View::of(&scene, lights);
             let paint = |pigment: &Pigment, view: &View| {
                 let mut renderer = crate::renderer(
                     device,
                     &window(&layers),
-                    &shading,
+                    &optics,
                     &scene.main_object().mesh,
                     pigment,
                     SIZE,
@@ -106,13 +106,13 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
 fn an_upright_sphere_is_lit_from_where_the_light_is() {
     let field = patch(SurfaceKind::Flat, 4.0);
     let scene = Scene::open("sphere").unwrap();
-    let shading = shading(4.0, 1e-1);
+    let optics = optics(4.0, 1e-1);
     let half = |light: Light| {
         let mut sides = [[0.0f64; 2]; 2];
         with_device(|device| {
             let mut view = View::of(&scene, vec![light]);
             view.base_color = Vec3::ONE;
-            let (picture, _) = paint(device, &field, &shading, &scene, &view);
+            let (picture, _) = paint(device, &field, &optics, &scene, &view);
             for (i, p) in picture.radiance.iter().enumerate() {
                 let (x, y) = (i % SIZE[0] as usize, i / SIZE[0] as usize);
                 sides[0][usize::from(x >= SIZE[0] as usize / 2)] += f64::from(p[1]);
@@ -134,7 +134,7 @@ fn directions_are_unit_vectors_where_the_mesh_covers_and_nothing_elsewhere() {
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
     with_device(|device| {
-        let (picture, directions) = paint(device, &field, &shading(4.0, 1e-1), &scene, &view);
+        let (picture, directions) = paint(device, &field, &optics(4.0, 1e-1), &scene, &view);
         for (pixel, (light, seen)) in
             picture.radiance.iter().zip(directions[0].light.iter().zip(&directions[0].view))
         {
@@ -152,10 +152,10 @@ fn the_same_view_gives_the_same_bits_and_every_pixel_is_finite() {
     let field = patch(SurfaceKind::Elaphe, 6.0);
     let scene = Scene::open("snake").unwrap();
     let view = View::of(&scene, scene.lights.clone());
-    let shading = shading(16.0, 1e-1);
+    let optics = optics(16.0, 1e-1);
     with_device(|device| {
-        let (first, _) = paint(device, &field, &shading, &scene, &view);
-        let (second, _) = paint(device, &field, &shading, &scene, &view);
+        let (first, _) = paint(device, &field, &optics, &scene, &view);
+        let (second, _) = paint(device, &field, &optics, &scene, &view);
         assert!(first == second);
         assert!(first.radiance.iter().flatten().all(|x| x.is_finite()));
     });
@@ -180,7 +180,7 @@ fn interpolated_tangent_space_directions_are_close_to_those_of_exact_frames() {
     let view = View::of(&scene, vec![light.clone()]);
     with_device(|device| {
         let (_, directions) =
-            paint(device, &patch(SurfaceKind::Flat, 4.0), &shading(4.0, 1e-1), &scene, &view);
+            paint(device, &patch(SurfaceKind::Flat, 4.0), &optics(4.0, 1e-1), &scene, &view);
         let mut angles: Vec<f64> = Vec::new();
         for (pixel, (seen_light, seen_view)) in
             directions[0].light.iter().zip(&directions[0].view).enumerate()

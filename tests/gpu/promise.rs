@@ -11,7 +11,7 @@ use diffract::optics::color::DISPLAY_BLACK;
 use diffract::optics::reference::Reference;
 use diffract::random::Random;
 use diffract::render::evaluator::Evaluator;
-use diffract::render::shading::Shading;
+use diffract::settings::Optics;
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::surface::HeightField;
 
@@ -58,36 +58,36 @@ fn the_promised_error_is_never_below_the_measured_one_and_seldom_far_above_it() 
             let basis = Basis::ALL[combination % 2];
             // The Taylor series refuses what 32-bit floats cannot hold.
             let field = surface(&mut uniform, if basis == Basis::Taylor { 0.4 } else { 0.9 });
-            let shading = Shading {
+            let optics = Optics {
                 coherence: Coherence::Gaussian { length: 5.0 + 7.0 * uniform() },
                 tolerance: 10f64.powf(-1.0 - 2.0 * uniform()),
                 reflectance: (1.2 + uniform()).into(),
                 basis,
                 windows: Windows::ONE,
-                ..Shading::default()
+                ..Optics::default()
             };
             let queries = queries(combination as u64, DIRECTIONS);
-            let reference = Reference::new(&field, shading.coherence, [1, 1], shading.reflectance.clone());
+            let reference = Reference::new(&field, optics.coherence, [1, 1], optics.reflectance.clone());
             let exact: Vec<f64> = queries
                 .iter()
                 .map(|q| reference.brdf(&q.pair, q.wavelength.unwrap()) * q.pair.light.z.max(0.0))
                 .collect();
-            let mut evaluator = Evaluator::new(device, &window(&layers(&field, &shading)), &shading).unwrap();
+            let mut evaluator = Evaluator::new(device, &window(&layers(&field, &optics)), &optics).unwrap();
             let found: Vec<f64> = evaluator.cosine_weighted(&queries).unwrap().iter().map(|v| v.x).collect();
             let difference: f64 = found.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum();
             let size: f64 = exact.iter().map(|b| b * b).sum();
-            let ratio = shading.tolerance / (difference / size).sqrt().max(1e-12);
+            let ratio = optics.tolerance / (difference / size).sqrt().max(1e-12);
             let single = per_direction(&found, &exact, DISPLAY_BLACK / std::f64::consts::PI);
-            own.push(shading.tolerance / single.max(1e-12));
-            if ratio < 1.0 || single > shading.tolerance {
+            own.push(optics.tolerance / single.max(1e-12));
+            if ratio < 1.0 || single > optics.tolerance {
                 eprintln!(
                     "{combination}: {basis:?}, {} x {} samples, {:.2} um high, {:?}, {:.2e}: L2 {:.2e}, own {single:.2e}",
                     field.columns(),
                     field.rows(),
                     field.range().1 - field.range().0,
-                    shading.coherence,
-                    shading.tolerance,
-                    shading.tolerance / ratio
+                    optics.coherence,
+                    optics.tolerance,
+                    optics.tolerance / ratio
                 );
             }
             ratios.push(ratio);

@@ -18,11 +18,10 @@ use diffract::render::rays::{RayObject, RayScene, RaySettings};
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
 use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Environment, Grooves, Light, Mesh, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::device::Device;
 use glam::{DVec2, DVec3, Vec3};
@@ -68,7 +67,7 @@ impl Case {
     /// Renderer of the directions, with all data beside them.
     fn renderer(&self, device: &Arc<Device>) -> Renderer {
         let source = Source::ClassicalGrating(ClassicalGrating::default());
-        let (sources, pigment) = (ObjectSources::new(source, Shading::default()), Pigment::white());
+        let (sources, pigment) = (ObjectSources::new(source, Optics::default()), Pigment::white());
         let object = ObjectData {
             mesh: &self.mesh,
             pigment: &pigment,
@@ -316,7 +315,7 @@ fn centroid(radiance: &[[f32; 4]], size: [u32; 2]) -> DVec2 {
 fn a_flat_plate_has_its_highlight_where_it_mirrors_the_light() {
     let case = Case::new("plate", &["40,180,2"]);
     let view = View { base_color: Vec3::ZERO, ..case.view.clone() };
-    let shading = shading(1e-2);
+    let optics = optics(1e-2);
     let field = patch(SurfaceKind::Flat, 10.0);
     // The viewer stands where the mirrored ray from the light leads.
     let eye = view.camera.eye().as_dvec3();
@@ -325,9 +324,9 @@ fn a_flat_plate_has_its_highlight_where_it_mirrors_the_light() {
     let clip = view.clip_from_world(PICTURE).as_dmat4().project_point3(mirrored).truncate();
     let expected = (clip + 1.0) * 0.5 * DVec2::new(PICTURE[0].into(), PICTURE[1].into());
     with_device(|device| {
-        let source = source(device, &field, &shading, Method::Table, FootprintSizes::default());
+        let source = source(device, &field, &optics, Method::Table, FootprintSizes::default());
         let mut renderer =
-            crate::renderer(device, &source, &shading, &case.mesh, &Pigment::white(), PICTURE).unwrap();
+            crate::renderer(device, &source, &optics, &case.mesh, &Pigment::white(), PICTURE).unwrap();
         let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let found = centroid(&picture.radiance, PICTURE);
         eprintln!("highlight at {found:.2}, mirrored light at {expected:.2}");
@@ -336,19 +335,19 @@ fn a_flat_plate_has_its_highlight_where_it_mirrors_the_light() {
     });
 }
 
-fn shading(tolerance: f64) -> Shading {
-    Shading {
+fn optics(tolerance: f64) -> Optics {
+    Optics {
         coherence: Coherence::Gaussian { length: 16.0 },
         windows: Windows::All,
         tolerance,
-        ..Shading::default()
+        ..Optics::default()
     }
     .for_pictures()
 }
 
 /// Renderer of the scene, shaded from `source`.
-fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, shading: &Shading) -> Renderer {
-    let sources = ObjectSources::new(source.clone(), shading.clone());
+fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, optics: &Optics) -> Renderer {
+    let sources = ObjectSources::new(source.clone(), optics.clone());
     let (pigment, grooves) = (Pigment::white(), GrooveDirections::of(&scene.main_object().grooves).unwrap());
     let object = ObjectData {
         mesh: &scene.main_object().mesh,
@@ -364,22 +363,22 @@ fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, shading: &S
 /// Relative L2 error of the picture of `scene` by a table, with a surface of this `kind`, against the reference of rays.
 fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampling) -> f64 {
     let view = View { base_color: Vec3::ZERO, ..View::of(scene, scene.lights.clone()) };
-    let (field, shading) = (patch(kind, 10.0), shading(1e-2));
+    let (field, optics) = (patch(kind, 10.0), optics(1e-2));
     let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
     let rays = RayScene::new(vec![RayObject {
         mesh: &scene.main_object().mesh,
         grooves: &grooves,
         casts_shadows: true,
     }]);
-    let settings = RaySettings::new(PICTURE, scene.shadows, &shading);
-    let object = ReferenceObject { field: Some(&field), shading: &shading, base_color: view.base_color };
+    let settings = RaySettings::new(PICTURE, scene.shadows, &optics);
+    let object = ReferenceObject { field: Some(&field), optics: &optics, base_color: view.base_color };
     let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &|_| true };
     let mut directions = |pass: &LightPass| Ok(rays.directions(&view, pass, &settings));
     let of_first = |light| rays.directions(&view, &LightPass::of_all(light, sampling.sample(0)), &settings);
     let sizes = sizes_of(&(0..view.light_count()).map(of_first).collect::<Vec<_>>());
     let exact = reference_mean(&[object], &view, &samples, &mut directions, &|_, _| Ok(())).unwrap();
-    let source = source(device, &field, &shading, Method::Table, sizes);
-    let mut renderer = renderer_of(device, scene, &source, &shading);
+    let source = source(device, &field, &optics, Method::Table, sizes);
+    let mut renderer = renderer_of(device, scene, &source, &optics);
     let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
     colours(&picture.radiance, &exact)
 }

@@ -14,8 +14,8 @@ use diffract::render::frame::View;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::renderer::Picture;
-use diffract::render::shading::Shading;
 use diffract::scene::{Light, Scene};
+use diffract::settings::Optics;
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
@@ -25,18 +25,18 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [64, 48];
 
-fn shading(copies: [u32; 2], tolerance: f64) -> Shading {
+fn optics(copies: [u32; 2], tolerance: f64) -> Optics {
     let coherence = Coherence::Repeats(copies);
-    Shading { coherence, windows: Windows::ONE, tolerance, ..Shading::default() }.for_pictures()
+    Optics { coherence, windows: Windows::ONE, tolerance, ..Optics::default() }.for_pictures()
 }
 
 /// The layers of one period.
-fn layers(field: &HeightField, shading: &Shading) -> Layers {
+fn layers(field: &HeightField, optics: &Optics) -> Layers {
     let settings = LayerSettings {
         sigma: f64::INFINITY,
         shortest_wavelength: 0.38,
-        budget: shading.budget().window,
-        basis: shading.basis,
+        budget: optics.budget().window,
+        basis: optics.basis,
         terms: None,
         memory_limit: 1 << 30,
         side_limit: 16_384,
@@ -44,19 +44,19 @@ fn layers(field: &HeightField, shading: &Shading) -> Layers {
     compute(field, &settings, &|_, _| Ok(())).unwrap()
 }
 
-/// A picture through the copies that `shading` names, with the directions that it shaded.
+/// A picture through the copies that `optics` names, with the directions that it shaded.
 fn paint(
     device: &Arc<Device>,
     field: &HeightField,
-    shading: &Shading,
+    optics: &Optics,
     scene: &Scene,
     view: &View,
 ) -> (Picture, Vec<Directions>) {
-    let Coherence::Repeats(copies) = shading.coherence else { panic!("{shading:?} has a window") };
-    let layers = layers(field, shading);
+    let Coherence::Repeats(copies) = optics.coherence else { panic!("{optics:?} has a window") };
+    let layers = layers(field, optics);
     let source = grating(&layers, copies, field);
     let (mesh, lights) = (&scene.main_object().mesh, view.lights.len());
-    let mut renderer = crate::renderer(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
+    let mut renderer = crate::renderer(device, &source, optics, mesh, &Pigment::white(), SIZE).unwrap();
     let picture = renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)
@@ -77,11 +77,11 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
                 cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap()
             };
             let answers = |copies| {
-                let shading = shading(copies, tolerance);
-                let layers = layers(&field, &shading);
+                let optics = optics(copies, tolerance);
+                let layers = layers(&field, &optics);
                 let source = grating(&layers, copies, &field);
                 let mut renderer =
-                    crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
+                    crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
                 let single = Query { wavelength: Some(0.5), ..queries[0] };
                 assert!(renderer.cosine_weighted(&[single]).is_err(), "wavelengths are chosen by the shader");
                 renderer.cosine_weighted(&queries).unwrap()
@@ -114,16 +114,16 @@ fn pictures_meet_their_tolerance(cases: &[(SurfaceKind, f64, [u32; 2], [u32; 2])
             let field = patch(kind, side);
             let mut exact: Option<Vec<[f32; 4]>> = None;
             for &tolerance in tolerances {
-                let (picture, directions) = paint(device, &field, &shading(copies, tolerance), &scene, &view);
+                let (picture, directions) = paint(device, &field, &optics(copies, tolerance), &scene, &view);
                 let exact = exact.get_or_insert_with(|| {
-                    let shading = shading(copies, tolerance);
-                    reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap()
+                    let optics = optics(copies, tolerance);
+                    reference_picture(&field, &optics, &view, &directions, &|_, _| Ok(())).unwrap()
                 });
                 let errors = errors(&picture, exact);
                 eprintln!("{kind:?} through {copies:?} at {tolerance:e}: {errors:.5?}");
                 assert!(errors.iter().all(|&e| e <= tolerance), "{copies:?} at {tolerance}: {errors:?}");
             }
-            let (wrong, _) = paint(device, &field, &shading(other, 1e-2), &scene, &view);
+            let (wrong, _) = paint(device, &field, &optics(other, 1e-2), &scene, &view);
             let wrong = errors(&wrong, exact.as_deref().unwrap());
             assert!(wrong.iter().any(|&e| e > 2e-2), "{other:?} pass for {copies:?}: {wrong:?}");
         }

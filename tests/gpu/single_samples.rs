@@ -1,7 +1,7 @@
 //! Single samples of pictures in which nothing hides the errors of taps, levels, texels and sums: few orders, faint directions; and sums of many wavelengths.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, patch, shading, window};
+use crate::evaluation::{layers, optics, patch, window};
 use crate::mean::source;
 use crate::measure::colours;
 use diffract::optics::coherence::{Coherence, Windows};
@@ -14,10 +14,9 @@ use diffract::render::light_passes::LightPass;
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
 use diffract::render::renderer::PictureRequest;
 use diffract::render::sampling::Sampling;
-use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
 use glam::{DVec3, Vec3};
 
@@ -45,28 +44,28 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     let reflectance = case.material.map_or(Reflectance::default(), |name| {
         Reflectance::of_material(Material::from_name_or_file(name).unwrap(), None)
     });
-    let shading = Shading {
+    let optics = Optics {
         coherence: Coherence::Gaussian { length: 16.0 },
         windows: Windows::All,
         tolerance,
         reflectance,
-        ..Shading::default()
+        ..Optics::default()
     }
     .for_pictures();
     let mut error = 0.0;
     with_device(|device| {
-        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, size).unwrap();
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, size).unwrap();
         let mut found = new(&Source::ClassicalGrating(ClassicalGrating::default()));
         let sample = sampling.sample(0);
         let seen: Vec<_> = (0..view.light_count())
             .map(|light| found.directions_of(&view, light, &sample).unwrap())
             .collect();
         // Whatever the wavelengths of the device.
-        let object = ReferenceObject { field: Some(&field), shading: &shading, base_color: view.base_color };
+        let object = ReferenceObject { field: Some(&field), optics: &optics, base_color: view.base_color };
         let samples = ReferenceSamples { sampling: &sampling, size, chosen: &|_| true };
         let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
         let exact = reference_mean(&[object], &view, &samples, &mut of_pass, &|_, _| Ok(())).unwrap();
-        let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
+        let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let picture = new(&source).render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
         error = colours(&picture.radiance, &exact);
     });
@@ -155,11 +154,11 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
     let scene = Scene::open("sphere").unwrap();
     let view = View::of(&scene, vec![Light::point(70.0, 60.0, 1.0)]);
     // More iterations than a device does in an invocation.
-    let shading = Shading { wavelengths: Some(12_000), ..shading(16.0, 1e-1) }.for_pictures();
-    let source = window(&layers(&field, &shading));
+    let optics = Optics { wavelengths: Some(12_000), ..optics(16.0, 1e-1) }.for_pictures();
+    let source = window(&layers(&field, &optics));
     let size = [24, 18];
     with_device(|device| {
-        let new = |source: &Source| crate::renderer_of(device, &scene, source, &shading, size).unwrap();
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, size).unwrap();
         let sample = Sampling::ONE.sample(0);
         let mut renderer = new(&source);
         renderer.draw_sample(&view, &sample, SHOWN).unwrap();

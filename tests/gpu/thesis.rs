@@ -8,9 +8,9 @@ use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::spectrum::SHORTEST;
 use diffract::render::frame::View;
 use diffract::render::reference_picture::reference_picture;
-use diffract::render::shading::Shading;
 use diffract::render::source::{Source, Thesis};
 use diffract::scene::{Light, Scene};
+use diffract::settings::Optics;
 use diffract::spectra::amplitude::thesis;
 use diffract::surface::synth::SurfaceKind;
 use glam::DVec3;
@@ -28,14 +28,13 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
             let (low, high) = field.range();
             let error = |length: f64| {
                 let coherence = Coherence::Gaussian { length };
-                let shading =
-                    Shading { coherence, windows: Windows::ONE, ..Shading::default() }.for_pictures();
+                let optics = Optics { coherence, windows: Windows::ONE, ..Optics::default() }.for_pictures();
                 let layers = Arc::new(thesis::layers(&field, length / 4.0, SHORTEST).unwrap());
                 let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
-                let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
+                let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
                 let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
                 let directions = [renderer.directions(&view, 0).unwrap()];
-                let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
+                let exact = reference_picture(&field, &optics, &view, &directions, &|_, _| Ok(())).unwrap();
                 (0..3).map(|c| channel(&picture.radiance, &exact, c)).fold(0.0, f64::max)
             };
             // The spectrum of a Gaussian of σ = 0.5 T falls to 1.5e-5 at one and a half bins, of σ = 0.25 T to 0.06.

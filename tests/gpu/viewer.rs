@@ -1,7 +1,7 @@
 //! What the viewer adds to the frame: tiles, smaller pictures in the same images, errors in false colour.
 
 use crate::device::with_device;
-use crate::evaluation::{grating, layers, patch, shading, window};
+use crate::evaluation::{grating, layers, optics, patch, window};
 use crate::measure::channel;
 use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
@@ -9,10 +9,9 @@ use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
 use diffract::render::reference_picture::reference_pixels;
 use diffract::render::renderer::{PictureRequest, Renderer};
-use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Environment, Light, Scene};
-use diffract::setup::Method;
+use diffract::settings::{Method, Optics};
 use diffract::spectra::amplitude::{Layers, compute};
 use diffract::surface::synth::SurfaceKind;
 use diffract::viewer::error_probe::{ProbeSamples, samples};
@@ -23,9 +22,9 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [96, 72];
 
 fn renderer(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Renderer {
-    let (field, shading) = (patch(SurfaceKind::Elaphe, 6.0), shading(8.0, 1e-1));
-    let layers = layers(&field, &shading);
-    crate::renderer_of(device, scene, &window(&layers), &shading, size).unwrap()
+    let (field, optics) = (patch(SurfaceKind::Elaphe, 6.0), optics(8.0, 1e-1));
+    let layers = layers(&field, &optics);
+    crate::renderer_of(device, scene, &window(&layers), &optics, size).unwrap()
 }
 
 fn view(scene: &Scene, intensity: f64) -> View {
@@ -38,14 +37,14 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
     let scene = Scene::open("sphere").unwrap();
     let view = view(&scene, 2.0);
     let field = patch(SurfaceKind::Elaphe, 6.0);
-    let before = shading(8.0, 1e-1).for_pictures();
+    let before = optics(8.0, 1e-1).for_pictures();
     let layers = layers(&field, &before);
     let repeats = |layers: &Layers, n| grating(layers, [n, 2], &field);
-    let lit = Shading { illuminant: Illuminant::A, ..before.clone() };
-    let dense = Shading { reflectance: 2.4.into(), ..before.clone() };
+    let lit = Optics { illuminant: Illuminant::A, ..before.clone() };
+    let dense = Optics { reflectance: 2.4.into(), ..before.clone() };
     with_device(|device| {
-        let new = |source: &Source, shading: &Shading| {
-            crate::renderer_of(device, &scene, source, shading, SIZE).unwrap()
+        let new = |source: &Source, optics: &Optics| {
+            crate::renderer_of(device, &scene, source, optics, SIZE).unwrap()
         };
         let cases = [
             (window(&layers), window(&layers), &lit),
@@ -53,14 +52,14 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             (repeats(&layers, 3), repeats(&layers, 5), &dense),
             (repeats(&layers, 3), repeats(&layers, 3), &lit),
         ];
-        for (first, then, shading) in cases {
-            let expected = new(&then, shading).render_plain(&view, 0.0, DVec3::ZERO).unwrap();
+        for (first, then, optics) in cases {
+            let expected = new(&then, optics).render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let mut renderer = new(&first, &before);
             let former = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             assert!(former != expected, "a change that changes something");
             let memory = device.memory_in_use();
             // With no room for anything as large as the layers: a few small tables are all that is taken.
-            renderer.set_source(&then, shading).unwrap();
+            renderer.set_source(&then, optics).unwrap();
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
             assert!(renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap() == expected);
             // In tiles, too, each of which is a submission of its own.
@@ -85,14 +84,14 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
     view.base_color = Vec3::splat(0.2);
     view.environment = Some(Environment::open("studio").unwrap());
     let field = patch(SurfaceKind::Elaphe, 12.0);
-    let shading = Shading { windows: Windows::All, ..shading(16.0, 2e-2) }.for_pictures();
+    let optics = Optics { windows: Windows::All, ..optics(16.0, 2e-2) }.for_pictures();
     with_device(|device| {
-        let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
+        let source = crate::mean::source(device, &field, &optics, Method::Table, FootprintSizes::default());
+        let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
         renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let ProbeSamples { radiance, directions } = samples(&mut renderer, &view).unwrap();
         let pixels: Vec<usize> = (0..radiance.len()).collect();
-        let exact = reference_pixels(&field, &shading, &view, &directions, &pixels, &|_, _| Ok(())).unwrap();
+        let exact = reference_pixels(&field, &optics, &view, &directions, &pixels, &|_, _| Ok(())).unwrap();
         let square = |v: DVec3| v.length_squared();
         let apart: f64 = radiance.iter().zip(&exact).map(|(a, b)| square(*a - *b)).sum();
         let error = (apart / exact.iter().map(|b| square(*b)).sum::<f64>()).sqrt();
@@ -107,10 +106,10 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
     let mut view = view(&scene, 2.0);
     view.environment = Some(Environment::open("studio").unwrap());
     let field = patch(SurfaceKind::Elaphe, 12.0);
-    let shading = Shading { windows: Windows::All, ..shading(16.0, 1e-1) }.for_pictures();
+    let optics = Optics { windows: Windows::All, ..optics(16.0, 1e-1) }.for_pictures();
     with_device(|device| {
-        let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
-        let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
+        let source = crate::mean::source(device, &field, &optics, Method::Table, FootprintSizes::default());
+        let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
         assert!(renderer.pixel(&view, [48, 36]).unwrap().is_none(), "nothing is drawn yet");
         let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let lights: Vec<_> = (0..2).map(|light| renderer.directions(&view, light).unwrap()).collect();
@@ -141,18 +140,18 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
     let scene = Scene::open("sphere").unwrap();
     let view = view(&scene, 2.0);
     let field = patch(SurfaceKind::Elaphe, 6.0);
-    let own = shading(8.0, 1e-2).for_pictures();
-    let wavelengths = Shading { looser_colours: 10.0, ..own.clone() };
-    let coarse = Shading { tolerance: 1e-1, ..own.clone() };
+    let own = optics(8.0, 1e-2).for_pictures();
+    let wavelengths = Optics { looser_colours: 10.0, ..own.clone() };
+    let coarse = Optics { tolerance: 1e-1, ..own.clone() };
     with_device(|device| {
-        let drawn = |shading: &Shading| {
-            let sigma = shading.coherence.sigma().unwrap();
-            let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
+        let drawn = |optics: &Optics| {
+            let sigma = optics.coherence.sigma().unwrap();
+            let settings = diffract::setup::layer_settings(optics, sigma, 0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
-            let mut renderer = crate::renderer_of(device, &scene, &window(&layers), shading, SIZE).unwrap();
+            let mut renderer = crate::renderer_of(device, &scene, &window(&layers), optics, SIZE).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
-            (picture.radiance, window(&layers).cost(shading, &directions))
+            (picture.radiance, window(&layers).cost(optics, &directions))
         };
         let (exact, whole) = drawn(&own);
         let error = |radiance: &[[f32; 4]]| (0..3).map(|c| channel(radiance, &exact, c)).fold(0.0, f64::max);

@@ -63,7 +63,7 @@ fn most(field: &HeightField, coherence: &Coherence) -> f64 {
     let along = |i: usize| {
         let axis = WindowedAxis { samples: size[i], spacing: field.pixel_size()[i], shift: 0.0 };
         let weights = match coherence {
-            Coherence::Gaussian { length } => axis.gaussian_weights(length / 4.0, 0.0),
+            Coherence::Gaussian { length } => axis.gaussian(length / 4.0).weights(0.0),
             Coherence::Repeats(copies) => axis.repeat_weights(copies[i], 0.0),
         };
         axis.spacing * weights.iter().map(|w| w.norm()).sum::<f64>()

@@ -10,7 +10,8 @@ use crate::memory;
 use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
-use crate::setup::{Method, Settings};
+use crate::settings::Method;
+use crate::setup::SourceSettings;
 use crate::surface::HeightField;
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
@@ -35,16 +36,16 @@ impl HemisphereMap {
         let count = u64::from(side) * u64::from(side);
         // Memory of the map, its displayed copy and the encoder of a picture.
         memory::ensure_room(count * 48, "the map")?;
-        let shading = optics.shading(&arguments.colour, field)?;
+        let optics = optics.for_directions(&arguments.colour, field)?;
         let directions = views(side, 0..side).count() * arguments.light.len();
-        if optics.method() == Method::Reference && directions > MANY_SUMS {
+        if optics.method == Method::Reference && directions > MANY_SUMS {
             say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
         }
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
         let mut pixels = vec![[0.0; 4]; count as usize];
         // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
         let rows = (evaluation::AT_ONCE as u32 / side).max(1);
-        let settings = Settings { shortest, ..Settings::new(optics.method(), shading) };
+        let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, share| {
             let bar = evaluation::bar(directions);
             for first in (0..side).step_by(rows as usize) {

@@ -2,7 +2,7 @@
 
 use crate::cli::options::{self, OpticsOptions};
 use crate::error::{Error, Result};
-use crate::setup::Method;
+use crate::settings::Method;
 use crate::spectra::amplitude::expansion::Basis;
 use clap::ValueEnum;
 

@@ -8,7 +8,7 @@ use crate::export::{ExportedMaterial, MaterialDescription};
 use crate::figure::{Axis, ColorMap, ColorScale, Raster};
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::output::{write_atomically, write_failed};
-use crate::render::shading::Shading;
+use crate::settings::Optics;
 use crate::surface::statistics::plot_grid::PlotGrid;
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 use std::io::Write;
@@ -32,7 +32,7 @@ pub struct PageSubject<'a> {
     /// Prepared heights.
     pub field: &'a HeightField,
     /// Light and material.
-    pub shading: &'a Shading,
+    pub optics: &'a Optics,
     /// Words for the illuminant.
     pub illuminant: String,
 }
@@ -55,10 +55,10 @@ pub fn write(
 
 /// Returns all texts of the page, where the colours of the heights have this `range` \[nm\].
 fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f64; 2]) -> Result<PageWords> {
-    let PageSubject { source, field, shading, illuminant } = subject;
+    let PageSubject { source, field, optics, illuminant } = subject;
     let statistics = Statistics::of(field)?;
     let theory =
-        ScalarTheory::of_field(field, &shading.reflectance, LightColour::Spectrum(&shading.illuminant))?;
+        ScalarTheory::of_field(field, &optics.reflectance, LightColour::Spectrum(&optics.illuminant))?;
     let lines = describe::lines(source, field, &statistics, &theory)?;
     let named = |wanted: &str| {
         let found = lines.iter().find(|(name, _)| *name == wanted);
@@ -79,8 +79,8 @@ fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f
             fact("Samples", typeset(&format!("{}, {} apart", named("samples"), named("spacing")))),
             fact("Heights", format!("{}, RMS {:.1} nm", named("height range"), statistics.heights.sq * 1e3)),
             fact("Dominant period", typeset(&named("dominant period"))),
-            fact("Light", format!("{illuminant}, coherence {}", captions::coherence(&shading.coherence))),
-            fact("Material", shading.reflectance.to_string()),
+            fact("Light", format!("{illuminant}, coherence {}", captions::coherence(&optics.coherence))),
+            fact("Material", optics.reflectance.to_string()),
         ],
         more: lines.iter().map(|(name, value)| fact(name, typeset(value))).collect(),
         trust: trust(description),

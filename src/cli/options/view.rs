@@ -68,15 +68,15 @@ impl ViewOptions {
     /// An impossible camera; surroundings that cannot be read.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         light_by(&self.light, scene);
-        self.surround(scene)?;
+        self.apply_environment(scene)?;
         if let Some(exposure) = self.exposure {
-            scene.auto_exposure = exposure == Exposure::Auto;
+            scene.display.auto_exposure = exposure == Exposure::Auto;
             if let Exposure::Stops(stops) = exposure {
-                scene.exposure = stops;
+                scene.display.exposure = stops;
             }
         }
         if let Some(tone) = self.tone {
-            scene.tone = tone;
+            scene.display.tone = tone;
         }
         if let Some(color) = self.base_color {
             scene.main_object_mut().base_color = color.map(|c| c as f32).into();
@@ -88,7 +88,7 @@ impl ViewOptions {
                     "add --environment sky, or give --background a colour",
                 ));
             }
-            scene.background = background;
+            scene.display.background = background;
         }
         let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
         if self.eye.is_some() || self.target.is_some() || self.field_of_view.is_some() {
@@ -108,12 +108,13 @@ impl ViewOptions {
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         let environment = self.environment.as_deref();
         let environment = environment.filter(|name| *name != "none" && !environment::is_built_in(name));
-        let spectra = self.light.iter().filter_map(|light| light.spectrum.as_ref()?.file());
+        let spectra =
+            self.light.iter().filter_map(|light| light.spectrum.as_ref()?.file().map(PathBuf::from));
         environment.map(PathBuf::from).into_iter().chain(spectra)
     }
 
     /// Applies the options of surroundings and shadows to `scene`.
-    fn surround(&self, scene: &mut Scene) -> Result<()> {
+    fn apply_environment(&self, scene: &mut Scene) -> Result<()> {
         scene.shadows = self.shadows.unwrap_or(scene.shadows);
         match self.environment.as_deref() {
             None => {}

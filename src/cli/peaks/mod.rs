@@ -12,7 +12,6 @@ use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::measure::peaks::{PeriodStatistics, Sought, WindowSpread};
 use crate::optics::coherence::Windows;
-use crate::surface::HeightField;
 use clap::{Args, ValueEnum};
 use report::{Found, PeaksReport};
 use serde::Serialize;
@@ -177,7 +176,6 @@ fn period(text: &str) -> Result<f64> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
-    arguments.optics.check()?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
@@ -197,14 +195,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ));
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let (sweep, alone) = AngleSweep::of(arguments, &field)?;
-    let mut found = find(arguments, &sweep);
+    let optics = arguments.optics.for_wavelengths(&field)?;
+    let (sweep, alone) = AngleSweep::of(arguments, &optics, &field)?;
+    let mut found = searched(arguments, &sweep);
     let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
     for of in &mut found {
         of.find_branches(&sweep, asked);
     }
-    spread_over_windows(arguments, &field, &alone, &mut found);
-    let windows: Vec<Vec<Found>> = asked.iter().map(|one| find(arguments, one)).collect();
+    spread_over_windows(independent_windows(&optics, &field), &alone, &mut found);
+    let windows: Vec<Vec<Found>> = asked.iter().map(|one| searched(arguments, one)).collect();
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
     if let Some(path) = &arguments.plot {
@@ -214,7 +213,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Finds the peaks of every requested order.
-fn find(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
+fn searched(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
     let orders = &arguments.order.0;
     // A single order is searched in the whole range.
     let apart = arguments.period.filter(|_| orders.len() > 1);
@@ -223,16 +222,10 @@ fn find(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
 }
 
 /// Gives each of the peaks `found` its spread over the windows whose sweeps are `alone`.
-fn spread_over_windows(
-    arguments: &Arguments,
-    field: &HeightField,
-    alone: &[AngleSweep],
-    found: &mut [Found],
-) {
+/// `independent` of all windows are independent.
+fn spread_over_windows(independent: Option<f64>, alone: &[AngleSweep], found: &mut [Found]) {
     // A single wavelength or window, or a grating that is the same everywhere, has no spread.
-    let Some(independent) = independent_windows(arguments, field).filter(|_| alone.len() > 1) else {
-        return;
-    };
+    let Some(independent) = independent.filter(|_| alone.len() > 1) else { return };
     let mean = AngleSweep::mean(alone);
     let rest: Vec<AngleSweep> = alone.iter().map(|one| mean.without(one, alone.len())).collect();
     let spread = |period: &dyn Fn(&AngleSweep) -> Option<f64>| {

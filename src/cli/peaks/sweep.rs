@@ -8,15 +8,16 @@ use crate::measure::peaks::Sought;
 use crate::memory;
 use crate::optics::coherence::Windows;
 use crate::optics::geometry::{Pair, direction};
-use crate::setup::{Method, Settings};
+use crate::settings::{Method, Optics};
+use crate::setup::SourceSettings;
 use crate::surface::HeightField;
 use std::f64::consts::PI;
 
 /// Returns the number of independent windows on `field`; `None` for a finite grating.
 ///
 /// Intensities through Gaussian windows at a distance d correlate by exp(−d²/(2σ²)), whose integral is the area of one independent window.
-pub fn independent_windows(arguments: &Arguments, field: &HeightField) -> Option<f64> {
-    let sigma = arguments.optics.monochrome(field).coherence.sigma()?;
+pub fn independent_windows(optics: &Optics, field: &HeightField) -> Option<f64> {
+    let sigma = optics.coherence.sigma()?;
     let [width, height] = field.patch_size();
     Some(width * height / (2.0 * PI * sigma * sigma))
 }
@@ -35,18 +36,18 @@ pub struct AngleSweep {
 impl AngleSweep {
     /// Returns the sweep averaged over the windows of `arguments`, and the sweeps of single windows from which its spread follows: of the
     /// same windows, or of some windows for the mean over all.
-    pub fn of(arguments: &Arguments, field: &HeightField) -> Result<(Self, Vec<Self>)> {
-        match arguments.optics.windows() {
-            Windows::ONE => Ok((Self::through(arguments, field, Windows::ONE)?, Vec::new())),
+    pub fn of(arguments: &Arguments, optics: &Optics, field: &HeightField) -> Result<(Self, Vec<Self>)> {
+        match optics.windows {
+            Windows::ONE => Ok((Self::through(arguments, optics, field)?, Vec::new())),
             Windows::Grid(counts) => {
-                let windows = Self::of_windows(arguments, field, counts)?;
+                let windows = Self::of_windows(arguments, optics, field, counts)?;
                 Ok((Self::mean(&windows), windows))
             }
             Windows::All => {
-                let mean = Self::through(arguments, field, Windows::All)?;
-                let counts = Self::windows_of_spread(arguments, field);
+                let mean = Self::through(arguments, optics, field)?;
+                let counts = Self::windows_of_spread(optics, field);
                 let windows =
-                    counts.map_or(Ok(Vec::new()), |n| Self::of_windows(arguments, field, [n; 2]))?;
+                    counts.map_or(Ok(Vec::new()), |n| Self::of_windows(arguments, optics, field, [n; 2]))?;
                 Ok((mean, windows))
             }
         }
@@ -54,19 +55,25 @@ impl AngleSweep {
 
     /// Returns the number of windows along each side of the patch for the spread of the mean over all: about as many as are independent.
     /// `None` for fewer than two, and for the f64 reference, whose single windows take minutes.
-    fn windows_of_spread(arguments: &Arguments, field: &HeightField) -> Option<u32> {
+    fn windows_of_spread(optics: &Optics, field: &HeightField) -> Option<u32> {
         const MOST: f64 = 4.0;
-        let independent = independent_windows(arguments, field)?;
-        let is_quick = arguments.optics.method() != Method::Reference;
+        let independent = independent_windows(optics, field)?;
+        let is_quick = optics.method != Method::Reference;
         (is_quick && independent >= 2.0).then(|| independent.sqrt().ceil().clamp(2.0, MOST) as u32)
     }
 
     /// Returns the sweep of each of n × m windows.
-    fn of_windows(arguments: &Arguments, field: &HeightField, [n, m]: [u32; 2]) -> Result<Vec<Self>> {
+    fn of_windows(
+        arguments: &Arguments,
+        optics: &Optics,
+        field: &HeightField,
+        [n, m]: [u32; 2],
+    ) -> Result<Vec<Self>> {
         // Every window's sweep and the mean.
         let sweeps = u64::from(n) * u64::from(m) + 1;
         let evaluations = arguments.wavelengths.count() as u64 * arguments.angles.count() as u64;
         memory::ensure_room(sweeps * evaluations * size_of::<f64>() as u64, "the sweeps of all windows")?;
+        let one = Optics { windows: Windows::ONE, ..optics.clone() };
         let mut windows = Vec::new();
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             // A window elsewhere on the periodic surface is this window on the moved surface. The surface moves by whole samples, which are
@@ -75,7 +82,7 @@ impl AngleSweep {
                 (f64::from(part) / f64::from(of) * all as f64).round() as usize
             };
             let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
-            windows.push(Self::through(arguments, &moved, Windows::ONE)?);
+            windows.push(Self::through(arguments, &one, &moved)?);
         }
         Ok(windows)
     }
@@ -100,24 +107,21 @@ impl AngleSweep {
         rest
     }
 
-    fn through(arguments: &Arguments, field: &HeightField, windows: Windows) -> Result<Self> {
-        let optics = &arguments.optics;
-        let mut shading = optics.monochrome(field);
-        shading.windows = windows;
+    fn through(arguments: &Arguments, optics: &Optics, field: &HeightField) -> Result<Self> {
         let wavelengths: Vec<f64> = arguments.wavelengths.values().iter().map(|nm| nm / 1e3).collect();
         let angles = arguments.angles.values();
         let evaluations = wavelengths.len() * angles.len();
         // This sweep and the mean.
         memory::ensure_room(evaluations as u64 * 2 * size_of::<f64>() as u64, "the sweep")?;
-        if optics.method() == Method::Reference && windows != Windows::All && evaluations > MANY_SUMS {
+        let is_sum = optics.method == Method::Reference && optics.windows != Windows::All;
+        if is_sum && evaluations > MANY_SUMS {
             say(&format_args!("{evaluations} direct sums take their time; --method spectral is faster"));
         }
         let azimuth = arguments.axis.azimuth();
         let light = direction(arguments.theta_i, azimuth);
         let pairs: Vec<Pair> = angles.iter().map(|&a| Pair::new(light, direction(a, azimuth))).collect();
         let mut responses = Vec::with_capacity(evaluations);
-        let method = optics.method();
-        let settings = Settings { shortest: wavelengths[0], ..Settings::new(method, shading) };
+        let settings = SourceSettings { shortest: wavelengths[0], ..SourceSettings::new(optics.clone()) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, _| {
             let bar = evaluation::bar(evaluations);
             for &wavelength in &wavelengths {

@@ -64,7 +64,7 @@ impl ProfileReport {
         errors: PictureErrors,
     ) -> Self {
         let candidate = scene.device.candidate();
-        let Benchmark { shading, summary, cost, budget, .. } = benchmark;
+        let Benchmark { optics, summary, cost, budget, .. } = benchmark;
         let reached = cost.samples as f64 / (times.shade.p50 * 1e-3);
         Self {
             device: candidate.name.clone(),
@@ -72,7 +72,7 @@ impl ProfileReport {
             size: scene.size,
             method: summary.method,
             basis: summary.basis.map_or("none", crate::spectra::amplitude::expansion::Basis::name),
-            tolerance: shading.tolerance,
+            tolerance: optics.tolerance,
             terms: summary.terms,
             layers: summary.layers,
             kernel: summary.kernel,
@@ -97,7 +97,7 @@ impl ProfileReport {
             whole: errors.whole,
             flip: errors.flip,
             sampling_error: errors.sampling,
-            promised: shading.promised_of_one_sample(),
+            promised: optics.promised_of_one_sample(),
             budget,
         }
     }

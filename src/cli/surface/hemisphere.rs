@@ -105,10 +105,10 @@ fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
 /// Returns the linear sRGB of the BRDF \[sr⁻¹\] toward every direction.
 fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
     let reader = TableReader::new(table);
-    let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
+    let footprint = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
     let views: Vec<(usize, DVec3)> = views(SIDE, 0..SIDE).collect();
     let color = |&(place, view): &(usize, DVec3)| {
-        let f = reader.xyz(&Pair::new(light, view), &IOR.into(), &around) / light.z;
+        let f = reader.xyz(&Pair::new(light, view), &IOR.into(), &footprint) / light.z;
         (place, xyz_to_linear_srgb(f).as_vec3().extend(1.0).to_array())
     };
     let mut pixels = vec![[0.0; 4]; (SIDE * SIDE) as usize];
@@ -176,9 +176,9 @@ mod tests {
             let mean =
                 MeanBrdf { field: &field, sigma, beyond: setup::beyond_of(&field), reflectance: IOR.into() };
             let exact = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
-            let around = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
+            let footprint = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
             let some: Vec<_> = views(SIDE, 0..SIDE).step_by(101).collect();
-            let pairs: Vec<_> = some.iter().map(|(_, view)| (Pair::new(light, *view), around)).collect();
+            let pairs: Vec<_> = some.iter().map(|(_, view)| (Pair::new(light, *view), footprint)).collect();
             let colours = exact.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap();
             let (mut error, mut all) = (0.0, 0.0);
             for ((place, _), xyz) in some.iter().zip(colours) {

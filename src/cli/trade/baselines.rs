@@ -40,12 +40,12 @@ impl Baselines<'_> {
             (None, Some(period)) => ([0.0, 1.0], period),
             (None, None) => return Ok(None),
         };
-        let shading = self.scene.shading(self.options)?;
+        let optics = self.scene.optics(self.options)?;
         let classical = |strength| Source::ClassicalGrating(ClassicalGrating { axis, period, strength });
-        let (mut renderer, directions) = self.scene.renderer(&classical(0.0), &shading)?;
-        let exact = references.of(self.scene, &shading, &directions)?;
+        let (mut renderer, directions) = self.scene.renderer(&classical(0.0), &optics)?;
+        let exact = references.of(self.scene, &optics, &directions)?;
         let colors = |renderer: &mut Renderer, strength: f64| {
-            renderer.set_source(&classical(strength), &shading)?;
+            renderer.set_source(&classical(strength), &optics)?;
             self.scene.paint(renderer).map(|picture| shown(&picture, &exact.pixels))
         };
         // The picture is linear in the strength: a least-squares fit between the pictures of strengths 0 and 1.
@@ -56,7 +56,7 @@ impl Baselines<'_> {
             (p + orders.dot(*exact - *pigment), s + orders.length_squared())
         });
         let strength = if square > 0.0 { (product / square).max(0.0) } else { 0.0 };
-        renderer.set_source(&classical(strength), &shading)?;
+        renderer.set_source(&classical(strength), &optics)?;
         Ok(Some(Measurement {
             flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
             series: GRATING.to_owned(),
@@ -67,15 +67,15 @@ impl Baselines<'_> {
 
     /// Measures the sum of the thesis' shader. `None` for repeats, for which the thesis has another sum.
     fn thesis(&self, references: &mut References) -> Result<Option<Measurement>> {
-        let shading = self.scene.shading(self.options)?;
-        let Coherence::Gaussian { length } = shading.coherence else { return Ok(None) };
+        let optics = self.scene.optics(self.options)?;
+        let Coherence::Gaussian { length } = optics.coherence else { return Ok(None) };
         let field = &self.scene.field;
         let layers = Arc::new(thesis::layers(field, length / 4.0, SHORTEST)?);
         let (low, high) = field.range();
         let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
-        let (mut renderer, directions) = self.scene.renderer(&source, &shading)?;
-        let exact = references.of(self.scene, &shading, &directions)?;
-        let cost = source.cost(&shading, &directions);
+        let (mut renderer, directions) = self.scene.renderer(&source, &optics)?;
+        let exact = references.of(self.scene, &optics, &directions)?;
+        let cost = source.cost(&optics, &directions);
         Ok(Some(Measurement {
             flags: "the thesis' sum: 37 terms, 81 wavelengths, 3 x 3 reads, for comparison".to_owned(),
             series: THESIS.to_owned(),

@@ -163,7 +163,7 @@ impl<'a> TradeSweep<'a> {
     fn measure(&mut self, flags: &str) -> Result<Measurement> {
         let options = setting(self.arguments, flags)?;
         let mut benchmark = self.scene.prepare(&options)?;
-        let exact = self.references.of(&self.scene, &benchmark.shading, &benchmark.directions)?;
+        let exact = self.references.of(&self.scene, &benchmark.optics, &benchmark.directions)?;
         let measured = self.scene.measure(&mut benchmark.renderer, exact, LIMITS)?;
         let (summary, cost) = (benchmark.summary, benchmark.cost);
         let series = match summary.method {
@@ -179,7 +179,7 @@ impl<'a> TradeSweep<'a> {
             kernel: summary.kernel,
             wavelengths: cost.wavelengths_per_pixel(),
             samples: cost.samples_per_pixel(),
-            promised: benchmark.shading.promised_of_one_sample().unwrap_or(0.0),
+            promised: benchmark.optics.promised_of_one_sample().unwrap_or(0.0),
             ..measured
         })
     }

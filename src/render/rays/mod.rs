@@ -16,9 +16,9 @@ use super::frame::View;
 use super::grooves::GrooveDirections;
 use super::light_passes::LightPass;
 use super::object::ObjectTextures;
-use super::shading::Shading;
 use crate::optics::coherence::Windows;
 use crate::scene::{Mesh, Object, Scene};
+use crate::settings::Optics;
 use glam::DVec3;
 use pixel::{RayFrame, SeenPixel};
 use rayon::prelude::*;
@@ -59,11 +59,11 @@ pub struct RaySettings {
 }
 
 impl RaySettings {
-    /// Returns the settings for the reference of a picture of `size` pixels by `shading`: the mean over windows is
+    /// Returns the settings for the reference of a picture of `size` pixels by `optics`: the mean over windows is
     /// averaged over footprints, and its specular order mirrors the surroundings.
-    pub fn new(size: [u32; 2], shadows: bool, shading: &Shading) -> Self {
-        let footprints = shading.windows == Windows::All;
-        Self { size, footprints, shadows, specular_spread: shading.specular_spread().filter(|_| footprints) }
+    pub fn new(size: [u32; 2], shadows: bool, optics: &Optics) -> Self {
+        let footprints = optics.windows == Windows::All;
+        Self { size, footprints, shadows, specular_spread: optics.specular_spread().filter(|_| footprints) }
     }
 }
 

@@ -88,11 +88,11 @@ impl Shadings {
         device: &Arc<Device>,
         sources: impl Iterator<Item = &'a ObjectSource>,
     ) -> Result<()> {
-        for (own, ObjectSource { source, shading }) in self.all.iter_mut().zip(sources) {
-            source.rebind(device, &mut own.source, shading)?;
-            if own.illuminant != shading.illuminant {
-                own.illuminant.clone_from(&shading.illuminant);
-                own.white = white_of(&shading.illuminant);
+        for (own, ObjectSource { source, optics }) in self.all.iter_mut().zip(sources) {
+            source.rebind(device, &mut own.source, optics)?;
+            if own.illuminant != optics.illuminant {
+                own.illuminant.clone_from(&optics.illuminant);
+                own.white = white_of(&optics.illuminant);
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::{SourceSummary, reflectance, stages};
 use crate::error::Result;
-use crate::render::shading::Shading;
+use crate::settings::Optics;
 use crate::vk::device::Device;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -32,20 +32,20 @@ struct ClassicalGratingBlock {
 }
 
 impl ClassicalGrating {
-    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+    pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         let stages = stages!("classical_grating");
         let kinds = [Kind::UNIFORM_BUFFER];
-        let of = &shading.reflectance;
-        let constants = vec![reflectance::without_spectrum(shading)];
+        let of = &optics.reflectance;
+        let constants = vec![reflectance::without_spectrum(optics)];
         let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, constants, of)?;
         bound.spectral = false;
-        self.set(device, &mut bound, shading)?;
+        self.set(device, &mut bound, optics)?;
         Ok(bound)
     }
 
-    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let block = ClassicalGratingBlock {
-            index: shading.reflectance.luminous_index() as f32,
+            index: optics.reflectance.luminous_index() as f32,
             period: self.period as f32,
             strength: self.strength as f32,
             axis: self.axis.map(|x| x as f32),

@@ -21,7 +21,7 @@ pub(super) struct LitPixel {
     /// Directions.
     pub pair: Pair,
     /// Covariance that shading averages over.
-    pub around: Covariance,
+    pub footprint: Covariance,
 }
 
 impl Cost {
@@ -49,7 +49,7 @@ impl Cost {
                 if !pair.above_horizon() {
                     continue;
                 }
-                let (wavelengths, samples) = of_pixel(&LitPixel { pair, around: seen.covariance(i) });
+                let (wavelengths, samples) = of_pixel(&LitPixel { pair, footprint: seen.covariance(i) });
                 cost.wavelengths += wavelengths;
                 cost.samples += samples;
             }

@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::render::directions::Directions;
-use crate::render::shading::Shading;
 use crate::render::tables::WavelengthTexture;
+use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 use crate::vk::device::Device;
 use bytemuck::{Pod, Zeroable};
@@ -59,48 +59,48 @@ impl CopiesBlock {
 }
 
 impl Grating {
-    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+    pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         let kinds =
             [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER]].concat();
-        let constants = spectra::constants(&self.layers, shading);
-        let of = &shading.reflectance;
+        let constants = spectra::constants(&self.layers, optics);
+        let of = &optics.reflectance;
         let mut bound = BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants, of)?;
         // The periodic factor of single wavelengths is multiplied in f64.
         bound.spectral = false;
         spectra::upload(device, &mut bound, &self.layers)?;
-        self.set(device, &mut bound, shading)?;
+        self.set(device, &mut bound, optics)?;
         Ok(bound)
     }
 
-    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
-        let colours = self.colours(shading);
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
+        let colours = self.colours(optics);
         let of = (&*self.layers, self.repeats.sigma());
         let most = self.repeats.most_wavelengths(colours.lag).min(self.repeats.limit());
         bound.iterations = Iterations::new(most.ceil() as usize, self.layers.pairs());
         let nodes = WavelengthTexture::densities(&colours);
-        let (tables, mut buffers) = spectra::settings(device, of, shading, &nodes)?;
-        let block = CopiesBlock::new(&self.repeats, &colours, shading.budget().window.wavelengths);
+        let (tables, mut buffers) = spectra::settings(device, of, optics, &nodes)?;
+        let block = CopiesBlock::new(&self.repeats, &colours, optics.budget().window.wavelengths);
         buffers.push((COPIES, uniform(device, "grating block", &block)?));
         bound.replace(device, tables, buffers)
     }
 
-    /// Returns the colour functions of `shading`.
-    fn colours(&self, shading: &Shading) -> ColourFunctions {
-        ColourFunctions::new(&shading.illuminant, shading.budget().window.wavelengths)
+    /// Returns the colour functions of `optics`.
+    fn colours(&self, optics: &Optics) -> ColourFunctions {
+        ColourFunctions::new(&optics.illuminant, optics.budget().window.wavelengths)
     }
 
-    pub(super) fn summary(&self, shading: &Shading) -> SourceSummary {
+    pub(super) fn summary(&self, optics: &Optics) -> SourceSummary {
         SourceSummary {
             method: "spectral",
-            basis: Some(shading.basis),
+            basis: Some(optics.basis),
             terms: self.layers.terms,
             layers: self.layers.pairs(),
             kernel: format!("{} kernel", self.layers.interpolation.name()),
         }
     }
 
-    pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
-        let (colours, tolerance) = (self.colours(shading), shading.budget().window.wavelengths);
+    pub(super) fn cost(&self, optics: &Optics, directions: &[Directions]) -> Cost {
+        let (colours, tolerance) = (self.colours(optics), optics.budget().window.wavelengths);
         let per_read = self.layers.interpolation.reads();
         Cost::counted(directions, |LitPixel { pair, .. }| {
             let wavelengths = self.repeats.wavelengths(pair.uvw().truncate(), &colours, tolerance);
@@ -108,12 +108,12 @@ impl Grating {
         })
     }
 
-    pub(super) fn has_limits(&self, shading: &Shading) -> bool {
-        self.repeats.most_wavelengths(self.colours(shading).lag) > self.repeats.limit()
+    pub(super) fn has_limits(&self, optics: &Optics) -> bool {
+        self.repeats.most_wavelengths(self.colours(optics).lag) > self.repeats.limit()
     }
 
-    pub(super) fn check(&self, shading: &Shading, directions: &[Directions]) -> Result<()> {
-        let (colours, tolerance) = (self.colours(shading), shading.budget().window.wavelengths);
+    pub(super) fn check(&self, optics: &Optics, directions: &[Directions]) -> Result<()> {
+        let (colours, tolerance) = (self.colours(optics), optics.budget().window.wavelengths);
         let uvs = directions.iter().flat_map(|seen| {
             let covered = seen.light.iter().zip(&seen.view).filter(|(_, view)| view[3] != 0.0);
             covered.map(|(light, view)| {

@@ -24,8 +24,8 @@ pub use thesis::Thesis;
 pub use window::Window;
 
 use super::directions::Directions;
-use super::shading::Shading;
 use crate::error::Result;
+use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::vk::device::Device;
@@ -79,32 +79,32 @@ impl Source {
         Self::Window(Window { layers: layers.into() })
     }
 
-    /// Uploads the data and the tables for `shading` as set 1.
+    /// Uploads the data and the tables for `optics` as set 1.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+    pub fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         match self {
-            Self::Window(source) => source.bind(device, shading),
-            Self::Grating(source) => source.bind(device, shading),
-            Self::Table(source) => source.bind(device, shading),
-            Self::Thesis(source) => source.bind(device, shading),
-            Self::ClassicalGrating(source) => source.bind(device, shading),
+            Self::Window(source) => source.bind(device, optics),
+            Self::Grating(source) => source.bind(device, optics),
+            Self::Table(source) => source.bind(device, optics),
+            Self::Thesis(source) => source.bind(device, optics),
+            Self::ClassicalGrating(source) => source.bind(device, optics),
         }
     }
 
-    /// Changes the shading to `shading`. `bound` holds the data of this source already, so only small tables are
+    /// Changes the shading to `optics`. `bound` holds the data of this source already, so only small tables are
     /// uploaded. The device must not be using it.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn rebind(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+    pub fn rebind(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         match self {
-            Self::Window(source) => source.set(device, bound, shading),
-            Self::Grating(source) => source.set(device, bound, shading),
-            Self::Table(source) => source.set(device, bound, shading),
-            Self::Thesis(source) => source.set(device, bound, shading),
-            Self::ClassicalGrating(source) => source.set(device, bound, shading),
+            Self::Window(source) => source.set(device, bound, optics),
+            Self::Grating(source) => source.set(device, bound, optics),
+            Self::Table(source) => source.set(device, bound, optics),
+            Self::Thesis(source) => source.set(device, bound, optics),
+            Self::ClassicalGrating(source) => source.set(device, bound, optics),
         }
     }
 
@@ -140,22 +140,22 @@ impl Source {
         }
     }
 
-    /// Returns the description for reports under `shading`.
-    pub fn summary(&self, shading: &Shading) -> SourceSummary {
+    /// Returns the description for reports under `optics`.
+    pub fn summary(&self, optics: &Optics) -> SourceSummary {
         match self {
-            Self::Window(source) => source.summary(shading),
-            Self::Grating(source) => source.summary(shading),
+            Self::Window(source) => source.summary(optics),
+            Self::Grating(source) => source.summary(optics),
             Self::Table(source) => source.summary(),
             Self::Thesis(source) => source.summary(),
             Self::ClassicalGrating(source) => source.summary(),
         }
     }
 
-    /// Returns the work of a frame that shades `directions` (one entry per light) under `shading`.
-    pub fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
+    /// Returns the work of a frame that shades `directions` (one entry per light) under `optics`.
+    pub fn cost(&self, optics: &Optics, directions: &[Directions]) -> Cost {
         match self {
-            Self::Window(source) => source.cost(shading, directions),
-            Self::Grating(source) => source.cost(shading, directions),
+            Self::Window(source) => source.cost(optics, directions),
+            Self::Grating(source) => source.cost(optics, directions),
             Self::Table(source) => source.cost(directions),
             Self::Thesis(source) => source.cost(directions),
             Self::ClassicalGrating(_) => Cost::counted(directions, |_| (0, 0)),
@@ -163,9 +163,9 @@ impl Source {
     }
 
     /// Returns true if some directions exceed the limits of the source, so that a picture needs [`Source::check`].
-    pub fn has_limits(&self, shading: &Shading) -> bool {
+    pub fn has_limits(&self, optics: &Optics) -> bool {
         match self {
-            Self::Grating(source) => source.has_limits(shading),
+            Self::Grating(source) => source.has_limits(optics),
             _ => false,
         }
     }
@@ -174,9 +174,9 @@ impl Source {
     ///
     /// # Errors
     /// Fails with the numbers and a remedy.
-    pub fn check(&self, shading: &Shading, directions: &[Directions]) -> Result<()> {
+    pub fn check(&self, optics: &Optics, directions: &[Directions]) -> Result<()> {
         match self {
-            Self::Grating(source) => source.check(shading, directions),
+            Self::Grating(source) => source.check(optics, directions),
             _ => Ok(()),
         }
     }

@@ -3,8 +3,8 @@
 
 use crate::error::Result;
 use crate::optics::reflectance::{COLUMNS, ROWS, Reflectance};
-use crate::render::shading::Shading;
 use crate::render::upload;
+use crate::settings::Optics;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use crate::vk::pipeline::Constant;
@@ -27,8 +27,8 @@ impl Law {
 }
 
 /// Returns the specialisation constant of the law.
-pub(super) fn constant(shading: &Shading) -> Constant {
-    if shading.reflectance.is_spectral() { Law::Spectral.constant() } else { without_spectrum(shading) }
+pub(super) fn constant(optics: &Optics) -> Constant {
+    if optics.reflectance.is_spectral() { Law::Spectral.constant() } else { without_spectrum(optics) }
 }
 
 /// Returns the specialisation constant for a source that holds R, whichever the law.
@@ -37,16 +37,16 @@ pub(super) fn held() -> Constant {
 }
 
 /// Returns the constant for a source that does not apply a spectral law inside sums over wavelengths.
-pub(super) fn without_spectrum(shading: &Shading) -> Constant {
-    match shading.reflectance {
+pub(super) fn without_spectrum(optics: &Optics) -> Constant {
+    match optics.reflectance {
         Reflectance::Schlick(_) => Law::Schlick.constant(),
         Reflectance::Fresnel { .. } => Law::Fresnel.constant(),
     }
 }
 
-/// Makes the texture of R of `shading`; a single 1 if R does not depend on the wavelength and is applied per pair.
-pub(super) fn texture(device: &Arc<Device>, shading: &Shading) -> Result<Image> {
-    let reflectance = &shading.reflectance;
+/// Makes the texture of R of `optics`; a single 1 if R does not depend on the wavelength and is applied per pair.
+pub(super) fn texture(device: &Arc<Device>, optics: &Optics) -> Result<Image> {
+    let reflectance = &optics.reflectance;
     let (size, values) = match reflectance.is_spectral() {
         true => ([COLUMNS, ROWS], reflectance.table()),
         false => ([1, 1], vec![1.0]),

@@ -6,9 +6,9 @@ use super::{Extent, reflectance};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::reflectance::Reflectance;
-use crate::render::shading::Shading;
 use crate::render::tables::TableTexture;
 use crate::render::upload;
+use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 use crate::spectra::amplitude::kernel::{Interpolation, Kernel};
 use crate::spectra::amplitude::texels::Texels;
@@ -90,7 +90,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> 
 }
 
 /// Returns the specialisation constants of `shaders/spectra.glsl`.
-pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
+pub(super) fn constants(layers: &Layers, optics: &Optics) -> Vec<Constant> {
     const HALF_PLANE: u32 = 12;
     const PAIRS: u32 = 13;
     const FEWER_PAIRS: u32 = 14;
@@ -101,7 +101,7 @@ pub(super) fn constants(layers: &Layers, shading: &Shading) -> Vec<Constant> {
         Constant::new(PAIRS, layers.pairs() as u32),
         Constant::new(FEWER_PAIRS, layers.pairs_needed.slope > 0.0),
         Constant::new(TAYLOR, layers.coefficients.taylor),
-        reflectance::constant(shading),
+        reflectance::constant(optics),
     ]);
     constants
 }
@@ -139,12 +139,12 @@ type Bound = (Vec<(u32, Image)>, Vec<(u32, Buffer)>);
 pub(super) fn settings(
     device: &Arc<Device>,
     (layers, sigma): (&Layers, f64),
-    shading: &Shading,
+    optics: &Optics,
     nodes: &TableTexture,
 ) -> Result<Bound> {
-    let block = uniform(device, "spectra block", &spectra_block(layers, sigma, &shading.reflectance))?;
+    let block = uniform(device, "spectra block", &spectra_block(layers, sigma, &optics.reflectance))?;
     let nodes = numbers(device, "nodes", nodes)?;
-    let reflectances = reflectance::texture(device, shading)?;
+    let reflectances = reflectance::texture(device, optics)?;
     let tables = vec![(binding::NODES, nodes), (REFLECTANCES, reflectances)];
     Ok((tables, vec![(binding::BLOCK, block)]))
 }

@@ -6,8 +6,8 @@ use super::cost::Cost;
 use super::{Extent, SourceSummary, reflectance, stages};
 use crate::error::Result;
 use crate::render::directions::Directions;
-use crate::render::shading::Shading;
 use crate::render::upload;
+use crate::settings::Optics;
 use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
@@ -64,22 +64,22 @@ pub struct TableBlock {
 }
 
 impl Table {
-    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+    pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         /// Texels read per direction and tap.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
         // Tables of exports hold R by every law.
         let holds_reflectance = self.table.header.mean_reflectance.is_some();
-        let law = if holds_reflectance { reflectance::held() } else { reflectance::constant(shading) };
+        let law = if holds_reflectance { reflectance::held() } else { reflectance::constant(optics) };
         let constants = vec![Constant::new(TEXELS, basis.texels() as u32), law];
-        let of = &shading.reflectance;
+        let of = &optics.reflectance;
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
         if holds_reflectance {
             bound.holds(of);
         }
         bound.spectral = false;
         let header = &self.table.header;
-        bound.specular_spread = shading.specular_spread().map(|spread| spread as f32);
+        bound.specular_spread = optics.specular_spread().map(|spread| spread as f32);
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
         let layers = basis.layers() as u32;
         let description = Description {
@@ -105,16 +105,16 @@ impl Table {
         let image = upload::texture(device, "basis of colours", format, size, None, cubics)?;
         let edge = Sampler::linear(device, "basis sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         bound.data(binding::BASIS, image, edge);
-        self.set(device, &mut bound, shading)?;
+        self.set(device, &mut bound, optics)?;
         Ok(bound)
     }
 
     /// Uploads the block; the reflectance is the only part that depends on more than the table.
-    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let header = &self.table.header;
         let grid = &header.grid;
         let block = TableBlock {
-            index: shading.reflectance.index().unwrap_or_default() as f32,
+            index: optics.reflectance.index().unwrap_or_default() as f32,
             texture_per_uv: (0.5 / grid.extent) as f32,
             coherence: header.coherence_blur as f32,
             unit: header.unit as f32,
@@ -151,6 +151,6 @@ impl Table {
     pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
         let reader = TableReader::new(&self.table);
         let texels = self.table.header.basis.texels();
-        Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.around).1.count()))
+        Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.footprint).1.count()))
     }
 }

@@ -7,9 +7,9 @@ use super::spectra::{edge, format, numbers};
 use super::{SourceSummary, reflectance, stages};
 use crate::error::Result;
 use crate::render::directions::Directions;
-use crate::render::shading::Shading;
 use crate::render::tables::WavelengthTexture;
 use crate::render::upload;
+use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::spectra::amplitude::thesis::{TAPS, WAVELENGTHS};
@@ -57,25 +57,25 @@ struct ThesisBlock {
 }
 
 impl Thesis {
-    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+    pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         const PAIRS: u32 = 10;
         let layers = &self.layers;
-        let constants = vec![Constant::new(PAIRS, layers.pairs() as u32), reflectance::constant(shading)];
-        let of = &shading.reflectance;
+        let constants = vec![Constant::new(PAIRS, layers.pairs() as u32), reflectance::constant(optics)];
+        let of = &optics.reflectance;
         let mut bound = BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants, of)?;
         let (count, texels) = (Some(layers.pairs() as u32), &layers.texels);
         let image =
             upload::texture(device, "Fourier series", format(texels), layers.size, count, texels.bytes())?;
         bound.data(binding::SERIES, image, edge(device)?);
-        self.set(device, &mut bound, shading)?;
+        self.set(device, &mut bound, optics)?;
         Ok(bound)
     }
 
-    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let pair = |v: [f64; 2]| v.map(|x| x as f32);
         let layers = &self.layers;
         let block = ThesisBlock {
-            index: shading.reflectance.index().unwrap_or_default() as f32,
+            index: optics.reflectance.index().unwrap_or_default() as f32,
             sigma: layers.sigma as f32 * layers.texels.unit(),
             half_range: self.half_range as f32,
             wavelengths: WAVELENGTHS as i32,
@@ -86,11 +86,11 @@ impl Thesis {
             padding: [0.0; 2],
         };
         bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs());
-        let wavelengths = WavelengthTexture::even(&shading.illuminant, WAVELENGTHS);
+        let wavelengths = WavelengthTexture::even(&optics.illuminant, WAVELENGTHS);
         let nodes = numbers(device, "nodes", &wavelengths.nodes)?;
         let block = uniform(device, "thesis block", &block)?;
         let tables =
-            vec![(binding::NODES, nodes), (binding::REFLECTANCES, reflectance::texture(device, shading)?)];
+            vec![(binding::NODES, nodes), (binding::REFLECTANCES, reflectance::texture(device, optics)?)];
         bound.replace(device, tables, vec![(binding::BLOCK, block)])
     }
 

@@ -6,8 +6,8 @@ use super::part::Iterations;
 use super::{SourceSummary, spectra, stages};
 use crate::error::Result;
 use crate::render::directions::Directions;
-use crate::render::shading::Shading;
 use crate::render::tables::WavelengthTexture;
+use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;
@@ -25,24 +25,24 @@ pub struct Window {
 const BINS: u32 = 4;
 
 impl Window {
-    pub(super) fn bind(&self, device: &Arc<Device>, shading: &Shading) -> Result<BoundSource> {
+    pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         let layers = &self.layers;
         let kinds =
             [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER, Kind::COMBINED_IMAGE_SAMPLER]].concat();
-        let constants = spectra::constants(layers, shading);
-        let of = &shading.reflectance;
+        let constants = spectra::constants(layers, optics);
+        let of = &optics.reflectance;
         let mut bound = BoundSource::new(device, "window set", &kinds, stages!("window"), constants, of)?;
         spectra::upload(device, &mut bound, layers)?;
-        self.set(device, &mut bound, shading)?;
+        self.set(device, &mut bound, optics)?;
         Ok(bound)
     }
 
-    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, shading: &Shading) -> Result<()> {
+    pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let layers = &self.layers;
-        let wavelengths = WavelengthTexture::of(layers, shading);
+        let wavelengths = WavelengthTexture::of(layers, optics);
         bound.iterations = Iterations::new(wavelengths.most(), layers.pairs());
         let of = (&**layers, layers.sigma);
-        let (tables, mut buffers) = spectra::settings(device, of, shading, &wavelengths.nodes)?;
+        let (tables, mut buffers) = spectra::settings(device, of, optics, &wavelengths.nodes)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         buffers.push((
             BINS,
@@ -56,15 +56,15 @@ impl Window {
         bound.replace(device, tables, buffers)
     }
 
-    pub(super) fn summary(&self, shading: &Shading) -> SourceSummary {
+    pub(super) fn summary(&self, optics: &Optics) -> SourceSummary {
         let layers = &self.layers;
         let kernel = format!("{} kernel", layers.interpolation.name());
-        let (terms, basis) = (layers.terms, Some(shading.basis));
+        let (terms, basis) = (layers.terms, Some(optics.basis));
         SourceSummary { method: "spectral", basis, terms, layers: layers.pairs(), kernel }
     }
 
-    pub(super) fn cost(&self, shading: &Shading, directions: &[Directions]) -> Cost {
-        let (layers, wavelengths) = (&self.layers, WavelengthTexture::of(&self.layers, shading));
+    pub(super) fn cost(&self, optics: &Optics, directions: &[Directions]) -> Cost {
+        let (layers, wavelengths) = (&self.layers, WavelengthTexture::of(&self.layers, optics));
         let per_read = layers.interpolation.reads();
         Cost::counted(directions, |LitPixel { pair, .. }| {
             let nodes =

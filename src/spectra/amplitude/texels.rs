@@ -89,14 +89,6 @@ impl Texels {
         if half { Self::Half(vec![0; count]) } else { Self::Single(vec![0.0; count]) }
     }
 
-    /// Returns the stored bytes for writing.
-    pub fn bytes_mut(&mut self) -> &mut [u8] {
-        match self {
-            Self::Single(own) => bytemuck::cast_slice_mut(own),
-            Self::Half(own) => bytemuck::cast_slice_mut(own),
-        }
-    }
-
     /// Returns true if all numbers are finite.
     pub fn are_finite(&self) -> bool {
         // Mask of the exponent, all ones for infinities and NaN. There is no early exit, so that the loop is vectorised.

@@ -115,7 +115,7 @@ fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) ->
         reply(first.number, Ok(Answer::Preparing(done as f32 / of.max(1) as f32)));
         Ok(())
     };
-    let reference = PixelReference::new(field, prepared.shading(), &progress);
+    let reference = PixelReference::new(field, prepared.optics(), &progress);
     let mut reading = queue.newer(first.clone());
     while reading.prepared.number == *number && !queue.is_stopped() {
         match &reference {

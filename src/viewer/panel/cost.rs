@@ -49,8 +49,8 @@ fn times_and_sizes(ui: &mut Ui, model: &Model) {
 
 fn errors(ui: &mut Ui, model: &mut Model) {
     if let Some(own) = &model.sources.own {
-        let shading = own.shading();
-        value(ui, &rows::BOUND, bound(&shading.terms, &shading.wavelengths, shading.tolerance));
+        let optics = own.optics();
+        value(ui, &rows::BOUND, bound(&optics.terms, &optics.wavelengths, optics.tolerance));
     }
     let theory = model.sources.own.as_ref().and_then(|own| own.scalar_theory.as_ref());
     rows::show(ui, &rows::SCALAR_THEORY, |ui| match theory {
@@ -65,7 +65,7 @@ fn errors(ui: &mut Ui, model: &mut Model) {
         Some(ProbeStatus::Done(e)) => {
             let [error, interval] = [e.relative_l2, e.relative_l2_interval].map(|x| x * 1e2);
             let text = format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels);
-            let promised = model.sources.own.as_ref().and_then(|own| own.shading().promised_of_one_sample());
+            let promised = model.sources.own.as_ref().and_then(|own| own.optics().promised_of_one_sample());
             match promised.filter(|promised| e.exceeds(*promised)) {
                 Some(promised) => {
                     ui.label(format!("{text}: more than the {} that are promised", percent(promised)));

@@ -3,23 +3,24 @@
 use super::rows::{self, SettingRow, number};
 use super::section;
 use crate::optics::coherence::{Coherence, Windows};
-use crate::optics::spectrum;
-use crate::setup::LEAST_TABLE_TOLERANCE;
+use crate::optics::spectrum::{self, Illuminant};
+use crate::settings::{LEAST_TABLE_TOLERANCE, Optics};
 use crate::spectra::amplitude::expansion::Basis;
 use crate::viewer::model::Model;
-use crate::viewer::settings::OpticsSettings;
 use crate::viewer::style;
 use egui::{ComboBox, RichText, Ui};
 
 /// Shows the main setting and the spectrum of the light.
 pub fn show(ui: &mut Ui, model: &mut Model) {
     section(ui, "Optics", |ui| {
-        setting(ui, "own", &mut model.settings.optics, model.settings.coherence);
+        let optics = &mut model.settings.optics;
+        let coherence = optics.coherence;
+        setting(ui, "own", optics, coherence);
         rows::show(ui, &rows::ILLUMINANT, |ui| {
             for name in spectrum::BUILT_IN {
-                let chosen = model.settings.illuminant == name;
-                if ui.selectable_label(chosen, name.to_uppercase()).clicked() {
-                    model.settings.illuminant = name.to_owned();
+                let known = Illuminant::built_in(name).unwrap_or_default();
+                if ui.selectable_label(optics.illuminant == known, name.to_uppercase()).clicked() {
+                    optics.illuminant = known;
                 }
             }
         });
@@ -27,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 }
 
 /// Shows the rows of one setting; they depend on its method.
-pub fn setting(ui: &mut Ui, id: &str, optics: &mut OpticsSettings, coherence: Coherence) {
+pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence) {
     let finite = matches!(coherence, Coherence::Repeats(_));
     if !finite {
         rows::show(ui, &rows::WINDOWS, |ui| {

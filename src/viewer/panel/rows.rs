@@ -1,8 +1,8 @@
 //! Rows of the panel: label, tooltip, and the corresponding option of `diffract view`.
 
 use crate::units;
-use crate::viewer::settings::ViewSettings;
 use crate::viewer::style;
+use crate::viewer::view_settings::ViewSettings;
 use egui::{Align, DragValue, Id, Label, Layout, RichText, Sense, Ui, vec2};
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ rows! {
     WAVELENGTHS = SettingRow::setting("wavelengths", "--wavelengths", "Number of wavelengths in the sum over the spectrum. automatic: as many as the tolerance needs.")
         .copied(|to, from| to.optics.wavelengths = from.optics.wavelengths);
     ILLUMINANT = SettingRow::setting("illuminant", "--illuminant", "Spectrum of all lights that have none of their own. D65: daylight. A: incandescent lamp. E: equal energy. LED: neutral white, CIE LED-B3.")
-        .copied(|to, from| to.illuminant.clone_from(&from.illuminant));
+        .copied(|to, from| to.optics.illuminant.clone_from(&from.optics.illuminant));
     COMPARE = SettingRow::other("show", "What lies right of the line. off: nothing. split: the same scene with the settings below. \
         In false colour, how far the picture is from it: error: relative, of radiance. ΔE: CIEDE2000 of what is displayed; 1 is just noticeable. FLIP: what is seen when flipping between them, 0 to 1.  [C, X]");
     OTHER_SURFACE = SettingRow::other("other surface", "The height field of what is compared with: the same, or another, as a model beside a scan.");
@@ -93,13 +93,13 @@ rows! {
     LEVEL = SettingRow::setting("level", "--level", "What is subtracted from the heights: nothing, their mean, or the plane that fits them.")
         .copied(|to, from| to.surface.set_level(from.surface.level()));
     COHERENCE = SettingRow::setting("coherence", "--coherence", "gaussian: light that is coherent over a certain length. repeats: a finite grating of copies of the patch.")
-        .copied(|to, from| to.coherence = from.coherence);
+        .copied(|to, from| to.optics.coherence = from.optics.coherence);
     LENGTH = SettingRow::setting("length", "--coherence gaussian:", "Coherence length on the surface in micrometres. Sunlight: 65 µm.")
-        .copied(|to, from| to.coherence = from.coherence);
+        .copied(|to, from| to.optics.coherence = from.optics.coherence);
     COPIES = SettingRow::setting("copies", "--coherence grating:", "Number of copies of the patch along x and y.")
-        .copied(|to, from| to.coherence = from.coherence);
+        .copied(|to, from| to.optics.coherence = from.optics.coherence);
     INDEX = SettingRow::setting("refractive index", "--ior", "Refractive index of the surface, for how much it reflects. --material names one with its spectrum.")
-        .copied(|to, from| to.reflectance.clone_from(&from.reflectance));
+        .copied(|to, from| to.optics.reflectance.clone_from(&from.optics.reflectance));
     LIGHT = SettingRow::setting("light", "--light", "θ: degrees from up. φ: degrees from +x toward +y. ×: irradiance over π. Of a lamp in the scene: where it stands, its diameter ⌀ or its width and height, its radiance L or power W. A right drag on the picture moves the first light.")
         .copied(|to, from| to.lights.clone_from(&from.lights));
     SURROUNDINGS = SettingRow::setting("surroundings", "--rotate-environment, --environment-exposure", "How far the surroundings are turned about the vertical, in degrees, and how much brighter they are, in stops (EV). Shift + right drag on the picture turns them.")

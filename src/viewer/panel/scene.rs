@@ -1,17 +1,17 @@
 //! Rows of scene, lights and comparison.
 
 use super::rows::{self, DEGREES, STOPS, WATTS, number, quantity};
-use super::{optics, section, short, surface};
+use super::{optics, section, short, surface_rows};
 use crate::optics::color::Tone;
 use crate::optics::spectrum::BUILT_IN as BUILT_IN_SPECTRA;
+use crate::optics::spectrum::Illuminant;
 use crate::scene::environment::Placement;
 use crate::scene::lamp::{Lamp, LampShape, Strength};
-use crate::scene::light::LightSpectrum;
 use crate::scene::scene_file::BUILT_IN;
 use crate::scene::{Emitter, FarLight, Light, Room};
 use crate::viewer::compare::Compare;
 use crate::viewer::model::Model;
-use crate::viewer::settings::ViewSettings;
+use crate::viewer::view_settings::ViewSettings;
 use egui::{ComboBox, Ui};
 
 /// Shows scene, exposure, tone mapping and pigment.
@@ -157,12 +157,12 @@ fn surroundings(ui: &mut Ui, placement: &mut Placement) {
 }
 
 /// Shows the spectrum of a light and a list of others.
-fn spectrum(ui: &mut Ui, spectrum: &mut Option<LightSpectrum>) {
-    let is_built_in = |own: &LightSpectrum| own.file().is_none();
+fn spectrum(ui: &mut Ui, spectrum: &mut Option<Illuminant>) {
+    let is_built_in = |own: &Illuminant| own.file().is_none();
     let name = match spectrum {
         None => "λ".to_owned(),
         Some(own) if is_built_in(own) => own.name().to_uppercase(),
-        Some(own) => short(own.name()).to_owned(),
+        Some(own) => short(&own.name()).to_owned(),
     };
     let mut chosen = None;
     let list = ui.menu_button(name, |ui| {
@@ -172,7 +172,7 @@ fn spectrum(ui: &mut Ui, spectrum: &mut Option<LightSpectrum>) {
             chosen = Some(None);
         }
         for name in BUILT_IN_SPECTRA {
-            let own = LightSpectrum::built_in(name);
+            let own = Illuminant::built_in(name);
             if button(ui, own.is_some() && own == *spectrum, name.to_uppercase()) {
                 chosen = Some(own);
             }
@@ -231,7 +231,7 @@ pub fn compare(ui: &mut Ui, model: &mut Model) {
         if model.comparison.mode != Compare::Alone {
             other_surface(ui, model);
             rows::without_reset(ui, |ui| {
-                optics::setting(ui, "other", &mut model.comparison.optics, model.settings.coherence);
+                optics::setting(ui, "other", &mut model.comparison.optics, model.settings.optics.coherence);
             });
         }
     });
@@ -240,8 +240,8 @@ pub fn compare(ui: &mut Ui, model: &mut Model) {
 /// Shows the surface of the comparison.
 fn other_surface(ui: &mut Ui, model: &mut Model) {
     let other = &mut model.comparison.surface;
-    rows::show(ui, &rows::OTHER_SURFACE, |ui| surface::other(ui, other, &model.files));
+    rows::show(ui, &rows::OTHER_SURFACE, |ui| surface_rows::other(ui, other, &model.files));
     if let Some(other) = other {
-        rows::show(ui, &rows::OTHER_LEVEL, |ui| surface::level(ui, other));
+        rows::show(ui, &rows::OTHER_LEVEL, |ui| surface_rows::level(ui, other));
     }
 }

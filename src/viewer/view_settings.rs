@@ -1,34 +1,12 @@
 //! Settings of the user, and the work that a change of them requires.
 
-use crate::budget::Purpose;
-use crate::error::Result;
-use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::color::Tone;
-use crate::optics::reflectance::Reflectance;
-use crate::optics::spectrum::Illuminant;
 use crate::render::sampling::Sampling;
-use crate::render::shading::Shading;
 use crate::scene::environment::Placement;
 use crate::scene::{Camera, Light, Scene};
-use crate::setup::Method;
-use crate::spectra::amplitude::expansion::Basis;
+use crate::settings::Optics;
 use crate::surface::SurfaceSource;
 use glam::Vec3;
-
-/// Settings of the computation of diffraction.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OpticsSettings {
-    /// Positions of the coherence window.
-    pub windows: Windows,
-    /// Expansion.
-    pub basis: Basis,
-    /// Accepted relative error.
-    pub tolerance: f64,
-    /// Number of terms; `None` follows from the tolerance.
-    pub terms: Option<usize>,
-    /// Number of wavelengths; `None` follows from the tolerance.
-    pub wavelengths: Option<usize>,
-}
 
 /// All settings that determine the picture, except its size.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,16 +15,8 @@ pub struct ViewSettings {
     pub scene: String,
     /// The height field.
     pub surface: SurfaceSource,
-    /// The optics.
-    pub optics: OpticsSettings,
-    /// Coherence of the light on the surface.
-    pub coherence: Coherence,
-    /// Continuation of the surface beyond the patch.
-    pub beyond: Beyond,
-    /// Reflectance of the surface.
-    pub reflectance: Reflectance,
-    /// Spectrum of the light: a name or a file.
-    pub illuminant: String,
+    /// The optics as the user sets them. Pictures are drawn with [`Optics::settled`].
+    pub optics: Optics,
     /// The lights.
     pub lights: Vec<Light>,
     /// Orientation and exposure of the surroundings, if the scene has any.
@@ -88,10 +58,9 @@ impl ViewSettings {
     pub fn needs(&self, shown: &Self) -> Needs {
         let optics = |s: &Self| {
             let of_lights: Vec<_> = s.lights.iter().map(|light| light.illuminant().cloned()).collect();
-            let light = (s.coherence, s.illuminant.clone(), of_lights);
             // Part of the filter that shading averages over.
             let footprint = s.sampling().footprint();
-            (s.surface.clone(), s.optics.clone(), s.beyond, s.reflectance.clone(), light, footprint)
+            (s.surface.clone(), s.optics.clone(), of_lights, footprint)
         };
         if self.scene != shown.scene {
             Needs::Mesh
@@ -109,26 +78,6 @@ impl ViewSettings {
         }
     }
 
-    /// Returns the settings for `render`, with `optics` in place of [`Self::optics`].
-    ///
-    /// # Errors
-    /// Fails if the file of the illuminant cannot be read.
-    pub fn shading(&self, optics: &OpticsSettings) -> Result<Shading> {
-        Ok(Shading {
-            coherence: self.coherence,
-            reflectance: self.reflectance.clone(),
-            illuminant: Illuminant::from_name_or_file(&self.illuminant)?,
-            tolerance: optics.tolerance,
-            windows: self.windows(optics),
-            beyond: self.beyond,
-            basis: optics.basis,
-            terms: optics.terms.filter(|_| self.windows(optics) != Windows::All),
-            wavelengths: self.wavelengths(optics),
-            purpose: Purpose::Picture,
-            looser_colours: 1.0,
-        })
-    }
-
     /// Returns the samples of a still picture. The seed of the surface is also the seed of the samples.
     pub fn sampling(&self) -> Sampling {
         Sampling { count: self.samples.max(1), seed: self.surface.seed }
@@ -138,11 +87,11 @@ impl ViewSettings {
     pub fn bring(&mut self, scene: &Scene) {
         let object = scene.main_object();
         self.surface = scene.main_surface();
-        self.reflectance = object.reflectance.clone().unwrap_or_default();
+        self.optics.reflectance = object.reflectance.clone().unwrap_or_default();
         self.base_color = object.base_color;
         self.lights.clone_from(&scene.lights);
         self.surroundings = placement(scene);
-        (self.exposure, self.tone) = (scene.exposure, scene.tone);
+        (self.exposure, self.tone) = (scene.display.exposure, scene.display.tone);
     }
 
     /// Replaces the settings that came with `old` by those of `new`, and keeps those that the user has changed.
@@ -158,7 +107,7 @@ impl ViewSettings {
             settings
         });
         replace(&mut self.surface, &old.surface, new.surface);
-        replace(&mut self.reflectance, &old.reflectance, new.reflectance);
+        replace(&mut self.optics.reflectance, &old.optics.reflectance, new.optics.reflectance);
         replace(&mut self.lights, &old.lights, new.lights);
         replace(&mut self.surroundings, &old.surroundings, new.surroundings);
         replace(&mut self.exposure, &old.exposure, new.exposure);
@@ -166,30 +115,9 @@ impl ViewSettings {
         replace(&mut self.base_color, &old.base_color, new.base_color);
     }
 
-    /// Returns the positions of the window; a finite grating has a single one.
-    pub fn windows(&self, optics: &OpticsSettings) -> Windows {
-        if self.repeats() { Windows::ONE } else { optics.windows }
-    }
-
-    /// Returns the method of `optics`: the mean is drawn from a table, one window as a sum over wavelengths.
-    pub fn method(&self, optics: &OpticsSettings) -> Method {
-        if self.windows(optics) == Windows::All { Method::Table } else { Method::Spectral }
-    }
-
-    /// Returns the number of wavelengths set in `optics`. A finite grating ignores it: its wavelengths follow from its
-    /// orders.
-    pub fn wavelengths(&self, optics: &OpticsSettings) -> Option<usize> {
-        optics.wavelengths.filter(|_| !self.repeats())
-    }
-
     /// Formats a vector as an option value that reads back as the same numbers.
     pub fn triple(v: Vec3) -> String {
         format!("{},{},{}", v.x, v.y, v.z)
-    }
-
-    /// Returns true if the coherence is a finite number of copies of the patch.
-    pub fn repeats(&self) -> bool {
-        matches!(self.coherence, Coherence::Repeats(_))
     }
 
     /// Returns the camera as the options of a command line describe it. They name the eye, so that its angles differ in
@@ -206,7 +134,9 @@ impl ViewSettings {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::scene::light::LightSpectrum;
+    use crate::optics::coherence::Windows;
+    use crate::optics::spectrum::Illuminant;
+    use crate::spectra::amplitude::expansion::Basis;
     use crate::surface::synth::SurfaceKind;
 
     /// Returns settings for one window of the plate's surface, and its scene.
@@ -214,25 +144,16 @@ pub(crate) mod tests {
         let scene = Scene::open("plate").unwrap();
         let name = scene.main_surface().name;
         let surface = SurfaceSource { name, ..SurfaceSource::built_in(SurfaceKind::Flat) };
-        let optics = OpticsSettings {
-            windows: Windows::ONE,
-            basis: Basis::Taylor,
-            tolerance: 1e-2,
-            terms: None,
-            wavelengths: None,
-        };
+        let optics =
+            Optics { windows: Windows::ONE, basis: Basis::Taylor, ..Optics::default() }.for_pictures();
         let settings = ViewSettings {
             scene: "plate".to_owned(),
             surface,
             optics,
-            coherence: Coherence::SUNLIGHT,
-            beyond: Beyond::Copies,
-            reflectance: Reflectance::default(),
-            illuminant: "d65".to_owned(),
             lights: scene.lights.clone(),
             surroundings: placement(&scene),
-            exposure: scene.exposure,
-            tone: scene.tone,
+            exposure: scene.display.exposure,
+            tone: scene.display.tone,
             base_color: scene.main_object().base_color,
             camera: scene.camera,
             samples: 1,
@@ -252,7 +173,7 @@ pub(crate) mod tests {
         assert_eq!(needs(&|s| s.exposure += 1.0), Needs::Display);
         assert_eq!(needs(&|s| s.tone = Tone::Neutral), Needs::Display);
         assert_eq!(needs(&|s| s.lights[0] = Light::point(1.0, 2.0, 3.0)), Needs::Frame);
-        assert_eq!(needs(&|s| s.lights[0].spectrum = LightSpectrum::built_in("led")), Needs::Layers);
+        assert_eq!(needs(&|s| s.lights[0].spectrum = Some(Illuminant::Led)), Needs::Layers);
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);
         assert_eq!(needs(&|s| s.surroundings.rotation += 5.0), Needs::Frame);
         assert_eq!(needs(&|s| s.base_color.x = 0.1), Needs::Frame);
@@ -263,7 +184,7 @@ pub(crate) mod tests {
         }
         assert_eq!(needs(&|s| s.optics.terms = Some(5)), Needs::Layers);
         assert_eq!(needs(&|s| s.surface.seed = 2), Needs::Layers);
-        assert_eq!(needs(&|s| s.illuminant = "a".to_owned()), Needs::Layers);
+        assert_eq!(needs(&|s| s.optics.illuminant = Illuminant::A), Needs::Layers);
         assert_eq!(needs(&|s| s.scene = "disc".to_owned()), Needs::Mesh);
     }
 
@@ -277,7 +198,11 @@ pub(crate) mod tests {
             settings
         });
         s.change_scene(&old_scene, &new_scene);
-        let brought = [s.surface == new.surface, s.reflectance == new.reflectance, s.lights == new.lights];
+        let brought = [
+            s.surface == new.surface,
+            s.optics.reflectance == new.optics.reflectance,
+            s.lights == new.lights,
+        ];
         assert_eq!(brought, [true; 3]);
         assert_eq!((s.exposure, s.tone, s.base_color), (new.exposure, new.tone, new.base_color));
         s.exposure += 1.0;
@@ -287,15 +212,6 @@ pub(crate) mod tests {
         s.change_scene(&new_scene, &old_scene);
         assert_eq!((s.exposure, &s.surface, s.base_color), (set.exposure, &set.surface, set.base_color));
         assert_eq!((&s.lights, s.tone), (&old.lights, old.tone));
-    }
-
-    #[test]
-    fn a_finite_grating_has_no_mean_and_the_wavelengths_of_its_orders() {
-        let (s, _) = settings();
-        let optics = OpticsSettings { windows: Windows::All, wavelengths: Some(9), ..s.optics.clone() };
-        let repeats = ViewSettings { coherence: Coherence::Repeats([3, 7]), optics, ..s };
-        assert_eq!(repeats.shading(&repeats.optics).unwrap().wavelengths, None);
-        assert_eq!(repeats.windows(&repeats.optics), Windows::ONE);
     }
 
     #[test]

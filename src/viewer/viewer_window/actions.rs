@@ -12,8 +12,8 @@ use crate::viewer::folder::{self, Neighbour};
 use crate::viewer::frame::LoadedScene;
 use crate::viewer::job_queue::Job;
 use crate::viewer::model::{Actions, Concern, SaveAs};
-use crate::viewer::settings::ViewSettings;
 use crate::viewer::start::Output;
+use crate::viewer::view_settings::ViewSettings;
 use crate::viewer::{orbit, save};
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,22 @@
-//! Background behind the mesh.
+//! Display of a scene, and the background behind the meshes.
 
 use crate::error::{Error, Result};
+use crate::optics::color::Tone;
 use crate::units;
 use glam::DVec3;
+
+/// Display of the radiance of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisplaySettings {
+    /// Exposure \[stops\].
+    pub exposure: f64,
+    /// True if the exposure is measured from the first picture; `exposure` is used for a picture without light.
+    pub auto_exposure: bool,
+    /// Tone curve.
+    pub tone: Tone,
+    /// Background of the pixels that no mesh covers.
+    pub background: Background,
+}
 
 /// Background of the pixels that the mesh does not cover.
 #[derive(Clone, Copy, Debug, PartialEq)]

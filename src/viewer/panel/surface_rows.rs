@@ -7,7 +7,6 @@ use crate::optics::reflectance::Reflectance;
 use crate::surface::synth::SurfaceKind;
 use crate::surface::{Levelling, SurfaceSource};
 use crate::viewer::model::{LastCoherence, Model};
-use crate::viewer::settings::ViewSettings;
 use crate::viewer::style;
 use egui::{ComboBox, RichText, Ui};
 
@@ -25,8 +24,8 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
             });
         }
         rows::show(ui, &rows::LEVEL, |ui| level(ui, source));
-        coherence(ui, &mut model.settings, &mut model.last_coherence);
-        rows::show(ui, &rows::INDEX, |ui| index(ui, &mut model.settings.reflectance));
+        coherence(ui, &mut model.settings.optics.coherence, &mut model.last_coherence);
+        rows::show(ui, &rows::INDEX, |ui| index(ui, &mut model.settings.optics.reflectance));
         let hint = "Drop a height image, a scene or an OBJ mesh on the window.";
         ui.label(RichText::new(hint).small().color(style::FAINT));
     });
@@ -98,19 +97,19 @@ pub fn level(ui: &mut Ui, source: &mut SurfaceSource) {
 }
 
 /// Shows the coherence: a Gaussian window of some length, or a number of copies. `last` remembers both.
-fn coherence(ui: &mut Ui, settings: &mut ViewSettings, last: &mut LastCoherence) {
+fn coherence(ui: &mut Ui, coherence: &mut Coherence, last: &mut LastCoherence) {
     rows::show(ui, &rows::COHERENCE, |ui| {
         for (of, name) in [
             (Coherence::Gaussian { length: last.length }, "gaussian"),
             (Coherence::Repeats(last.copies), "repeats"),
         ] {
-            let now = std::mem::discriminant(&of) == std::mem::discriminant(&settings.coherence);
+            let now = std::mem::discriminant(&of) == std::mem::discriminant(coherence);
             if ui.selectable_label(now, name).clicked() && !now {
-                settings.coherence = of;
+                *coherence = of;
             }
         }
     });
-    match &mut settings.coherence {
+    match coherence {
         Coherence::Gaussian { length } => {
             rows::show(ui, &rows::LENGTH, |ui| {
                 ui.add(quantity(length, &MICROMETRES).speed(0.5).range(1.0..=200.0).fixed_decimals(1));

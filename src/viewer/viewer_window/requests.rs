@@ -4,7 +4,8 @@ use super::{PreparationRequest, Seen, ViewerWindow};
 use crate::optics::coherence::Windows;
 use crate::render::frame::{Shown, View};
 use crate::scene::Light;
-use crate::setup::{self, Method};
+use crate::settings::Method;
+use crate::setup::SourceSettings;
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::event::Event;
 use crate::viewer::frame::FrameRequest;
@@ -12,8 +13,8 @@ use crate::viewer::job_queue::PixelRequest;
 use crate::viewer::model::{Stage, TaskProgress};
 use crate::viewer::prepared::Role;
 use crate::viewer::quality::Quality;
-use crate::viewer::settings::{Needs, ViewSettings};
 use crate::viewer::surface_pane::analysis::Analysis;
+use crate::viewer::view_settings::{Needs, ViewSettings};
 use crate::viewer::worker::{Request, RequestedPicture};
 use std::sync::Arc;
 
@@ -24,9 +25,9 @@ impl ViewerWindow {
         self.request_preview(&own);
         self.request_preparation(Role::Own, &own);
         if self.model.comparison.mode != Compare::Alone {
-            let (optics, surface) =
-                (self.model.comparison.optics.clone(), self.model.comparison.surface.clone());
-            let surface = surface.unwrap_or_else(|| own.surface.clone());
+            let other = &self.model.comparison;
+            let optics = own.optics.as_accurate_as(&other.optics);
+            let surface = other.surface.clone().unwrap_or_else(|| own.surface.clone());
             self.request_preparation(Role::Other, &ViewSettings { optics, surface, ..own.clone() });
         }
         let ready = self.is_own_ready();
@@ -34,11 +35,12 @@ impl ViewerWindow {
             self.request_as_seen(&own);
         }
         // For a colour table no lighter spectra exist; moving pictures reduce their resolution instead.
-        if self.model.pacing.quality.is_slow() && ready && own.method(&own.optics) == Method::Spectral {
+        if self.model.pacing.quality.is_slow() && ready && own.optics.settled().method == Method::Spectral {
             let optics = compare::coarse(&own.optics);
             self.request_preparation(Role::Coarse, &ViewSettings { optics, ..own.clone() });
-            // The wavelengths of repeats are those of the grating's orders: none can be omitted.
-            if !own.repeats() && compare::looser_colours(&own.optics).is_some() {
+            // The wavelengths of a finite grating are those of its orders: none can be omitted.
+            let is_grating = own.optics.coherence.sigma().is_none();
+            if !is_grating && compare::looser_colours(&own.optics).is_some() {
                 self.request_preparation(Role::FewerWavelengths, &own);
             }
         }
@@ -52,7 +54,7 @@ impl ViewerWindow {
 
     /// Returns true if the main picture is drawn from the source for the present view.
     pub(super) fn is_settled(&self) -> bool {
-        let of_mean = self.model.settings.windows(&self.model.settings.optics) == Windows::All;
+        let of_mean = self.model.settings.optics.settled().windows == Windows::All;
         let seen = Seen { view: self.view(), size: self.model.size };
         let is_requested = self.requested.seen.as_ref() == Some(&seen);
         !of_mean || is_requested && self.requested.preparations[Role::AsSeen as usize].is_none()
@@ -62,7 +64,7 @@ impl ViewerWindow {
     /// view needs a finer source.
     fn request_as_seen(&mut self, own: &ViewSettings) {
         let seen = Seen { view: self.view(), size: self.model.size };
-        if own.windows(&own.optics) != Windows::All || self.requested.seen.as_ref() == Some(&seen) {
+        if own.optics.settled().windows != Windows::All || self.requested.seen.as_ref() == Some(&seen) {
             return;
         }
         self.request_for_views(own, vec![seen.view]);
@@ -81,7 +83,7 @@ impl ViewerWindow {
             role,
             number,
             surface: own.surface.clone(),
-            settings: setup::Settings::new(own.method(&own.optics), ready.shading().clone()),
+            settings: SourceSettings::new(ready.optics().clone()),
             picture: Some(RequestedPicture { views, ..picture }),
         });
     }
@@ -114,31 +116,16 @@ impl ViewerWindow {
         let number = self.requested.number;
         let request = PreparationRequest { number, settings: settings.clone() };
         self.requested.preparations[role as usize] = Some(request);
-        match settings.shading(&settings.optics) {
-            Ok(mut shading) => {
-                if role == Role::FewerWavelengths {
-                    shading.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
-                    shading.wavelengths = None;
-                }
-                let (surface, lights) = (settings.surface.clone(), settings.lights.clone());
-                let method = settings.method(&settings.optics);
-                let mut settings = setup::Settings::new(method, shading);
-                if role == Role::Preview {
-                    settings.footprints = compare::PREVIEWED;
-                }
-                let picture = self.requested_picture(&lights);
-                if role == Role::Own {
-                    let view = self.view_under(&lights);
-                    self.requested.seen = Some(Seen { view, size: self.model.size });
-                    self.requested.preparations[Role::AsSeen as usize] = None;
-                }
-                let request = Request { role, number, surface, settings, picture };
-                self.threads.worker.request(request);
-                self.model.sources.progress[role as usize] = Some(TaskProgress { done: 0, of: 1 });
-                self.window.request_redraw();
-            }
-            Err(e) => self.refuse(role, number, &e),
+        let (surface, picture) = (settings.surface.clone(), self.requested_picture(&settings.lights));
+        let request = Request { role, number, surface, settings: source_settings(role, settings), picture };
+        if role == Role::Own {
+            let view = self.view_under(&settings.lights);
+            self.requested.seen = Some(Seen { view, size: self.model.size });
+            self.requested.preparations[Role::AsSeen as usize] = None;
         }
+        self.threads.worker.request(request);
+        self.model.sources.progress[role as usize] = Some(TaskProgress { done: 0, of: 1 });
+        self.window.request_redraw();
         // Data prepared for the former request shows another setting.
         match role {
             Role::Other => self.model.comparison.prepared = None,
@@ -172,7 +159,7 @@ impl ViewerWindow {
             camera: shown.shown_camera(scene),
             base_color: shown.base_color,
             pigment: scene.main_object().pigment.is_some(),
-            ..View::under(scene, lights, &shown.coherence)
+            ..View::under(scene, lights, &shown.optics.coherence)
         }
     }
 
@@ -192,7 +179,11 @@ impl ViewerWindow {
             moving: false,
             again: false,
             view,
-            shown: Shown { exposure: shown.exposure, tone: shown.tone, background: scene.background.color() },
+            shown: Shown {
+                exposure: shown.exposure,
+                tone: shown.tone,
+                background: scene.display.background.color(),
+            },
             measured: model.measures_exposure && is_own,
             size: model.size,
             compare: if is_own { model.comparison.mode } else { Compare::Alone },
@@ -254,4 +245,18 @@ impl ViewerWindow {
         self.threads.render.request(request.clone());
         self.requested.frame = Some(request);
     }
+}
+
+/// Returns the settings of the source that `role` asks for under `settings`.
+fn source_settings(role: Role, settings: &ViewSettings) -> SourceSettings {
+    let mut optics = settings.optics.settled();
+    if role == Role::FewerWavelengths {
+        optics.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
+        optics.wavelengths = None;
+    }
+    let mut source = SourceSettings::new(optics);
+    if role == Role::Preview {
+        source.footprints = compare::PREVIEWED;
+    }
+    source
 }

@@ -47,7 +47,7 @@ impl ViewerWindow {
         self.model.recording = Some(TaskProgress { done: 0, of: count as usize });
         self.recording = Some(Recording { sequence, file, command, first: None, done: 0 });
         let own = self.model.settings.clone();
-        if own.windows(&own.optics) == Windows::All {
+        if own.optics.settled().windows == Windows::All {
             self.request_for_views(&own, views);
         } else {
             self.begin_recording();

@@ -13,7 +13,7 @@ use crate::viewer::inspector::reference::DirectionReference;
 use crate::viewer::job_queue::RenderReply;
 use crate::viewer::model::{Concern, Preview, TaskProgress};
 use crate::viewer::prepared::{Prepared, Role};
-use crate::viewer::settings::ViewSettings;
+use crate::viewer::view_settings::ViewSettings;
 use crate::viewer::worker::WorkerReply;
 use std::sync::Arc;
 
@@ -164,7 +164,7 @@ impl ViewerWindow {
     fn take_as_seen(&mut self, prepared: Arc<Prepared>) {
         self.requested.preparations[Role::AsSeen as usize] = None;
         let own = self.model.sources.own.as_mut();
-        if let Some(own) = own.filter(|own| !own.sources.shares_data_with(&prepared.sources)) {
+        if let Some(own) = own.filter(|own| !own.shares_data_with(&prepared)) {
             let number = prepared.number;
             *own = prepared;
             self.drop_lighter();
@@ -186,7 +186,7 @@ impl ViewerWindow {
 
     fn handle_rendering(&mut self, reply: RenderReply) -> Result<()> {
         match reply {
-            RenderReply::Drawn(frame) => self.show_frame(*frame),
+            RenderReply::Frame(frame) => self.show_frame(*frame),
             RenderReply::Drawing(what, part) => {
                 self.model.drawing = Some((what, part)).filter(|_| !self.model.pacing.moving);
             }
@@ -194,7 +194,7 @@ impl ViewerWindow {
                 // The full time is unknown; twice the elapsed time is a guess that the next frame corrects.
                 self.model.pacing.quality.record(quality, 2.0 * milliseconds, true);
             }
-            RenderReply::NoRoom(detail) => self.model.sources.forget(detail),
+            RenderReply::NoRoom(detail) => self.model.sources.discard(detail),
             RenderReply::Picture(drawn) => self.save(drawn),
             RenderReply::Samples(probe) => self.measure(*probe)?,
             RenderReply::Pixel(reading) => self.show_pixel(reading.map(|reading| *reading))?,
