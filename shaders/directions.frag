@@ -13,9 +13,11 @@ layout(location = 2) out vec4 mirrored;  // radiance of the surroundings
 
 void main() {
     SurfacePoint at = surface_at(ivec2(gl_FragCoord.xy));
-    vec3 direction = direction_of_light(at);
-    Footprint change = footprint_of(at, direction);
-    to_light = vec4(SHADOWS && in_shadow(at) ? vec3(0.0, 0.0, -1.0) : direction, falloff(at));
+    Light light = frame.lights[0];
+    mat2x3 views = view_differences(at);
+    vec3 direction = direction_of_light(at, light);
+    Footprint change = footprint_of(at, views, light, direction);
+    to_light = vec4(SHADOWS && in_shadow(at, light, 0) ? vec3(0.0, 0.0, -1.0) : direction, falloff(at, light));
     footprint = vec4(change.dx, change.dy);
-    mirrored = vec4(MIRRORED ? mirrored_radiance(at) : vec3(0.0), 1.0);
+    mirrored = vec4(MIRRORED ? mirrored_radiance(at, views, light) : vec3(0.0), 1.0);
 }

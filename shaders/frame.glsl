@@ -13,15 +13,22 @@ struct Sample {
     uint seed;                      // low bits of the sequence's seed
 };
 
+// Light of a sample; see `LightBlock` of src/render/frame_set.rs.
+struct Light {
+    vec4 toward;                    // xyz: unit vector to the light, or point of a lamp; w: variance of it
+    vec4 emitter;                   // w: kind of emitter; xyz: centre of a lamp ALL_AROUND, or normal of one to a side
+    vec4 irradiance;                // rgb: over pi, facing the light; lamp: at distance 1. w: weight of surroundings
+    mat4 shadow_from_world;         // to the clip space of the light's depth map
+};
+
+const int MOST_LIGHTS = 8;
+
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
     vec4 eye;                       // xyz: position of the viewer in the world
-    vec4 light;                     // xyz: unit vector to the light, or point of a lamp; w: variance of it
-    vec4 emitter;                   // w: kind of emitter; xyz: centre of a lamp ALL_AROUND, or normal of one to a side
-    vec4 irradiance;                // rgb: over pi, facing the light; lamp: at distance 1. w: weight of surroundings
     vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 if the pigment texture is used
     vec4 grooves;                   // xy: cosine and sine of a constant angle of the patch; zw: size of a pixel in clip space
     vec4 surroundings;              // xy: cosine and sine of rotation; z: value of a stored 1; w: specular variance
-    mat4 shadow_from_world;         // to the clip space of the light's depth map
     Sample at;                      // sample of the picture
+    Light lights[MOST_LIGHTS];      // lights that are drawn together
 } frame;

@@ -19,17 +19,20 @@ void main() {
         answers[n++] = frame.clip_from_world[i];
     }
     answers[n++] = frame.eye;
-    answers[n++] = frame.light;
-    answers[n++] = frame.emitter;
-    answers[n++] = frame.irradiance;
     answers[n++] = frame.base_color;
     answers[n++] = frame.grooves;
     answers[n++] = frame.surroundings;
-    for (int i = 0; i < 4; ++i) {
-        answers[n++] = frame.shadow_from_world[i];
-    }
     answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
     answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), 0.0, 0.0);
+    for (int i = 0; i < MOST_LIGHTS; ++i) {
+        Light light = frame.lights[i];
+        answers[n++] = light.toward;
+        answers[n++] = light.emitter;
+        answers[n++] = light.irradiance;
+        for (int j = 0; j < 4; ++j) {
+            answers[n++] = light.shadow_from_world[j];
+        }
+    }
     answers[n++] = vec4(source.texture_size, source.origin);
     answers[n++] = vec4(source.texels_per_frequency, source.band);
     answers[n++] = vec4(source.sigma, source.index, source.column);

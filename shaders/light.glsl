@@ -6,41 +6,41 @@ layout(constant_id = 3) const bool MIRRORED = false; // true: light of the surro
 layout(constant_id = 4) const bool LAMP = false;     // true if the light is a lamp
 layout(constant_id = 5) const bool SHADOWS = false;  // true if the light casts shadows
 
-layout(set = 0, binding = 6) uniform sampler2D shadow; // depth from the light
+layout(set = 0, binding = 6) uniform sampler2DArray shadow; // depth from each light
 
 // Returns a vector to the light, in the world; for a lamp it is not normalised.
-vec3 toward_light(SurfacePoint at) {
-    return LAMP ? frame.light.xyz - at.position : frame.light.xyz;
+vec3 toward_light(SurfacePoint at, Light light) {
+    return LAMP ? light.toward.xyz - at.position : light.toward.xyz;
 }
 
 // Returns the unit vector to the light in the frame of the patch.
-vec3 direction_of_light(SurfacePoint at) {
-    vec3 direction = rotated(at.rotation, normalize(toward_light(at)));
+vec3 direction_of_light(SurfacePoint at, Light light) {
+    vec3 direction = rotated(at.rotation, normalize(toward_light(at, light)));
     return vec3(direction.x, at.sense * direction.y, direction.z);
 }
 
 // Returns the brightness relative to that at distance 1 on the axis of the lamp: `LampPoint::falloff` of
 // src/scene/incident.rs.
-float falloff(SurfacePoint at) {
+float falloff(SurfacePoint at, Light light) {
     if (!LAMP) {
         return 1.0;
     }
-    vec3 from = -toward_light(at), middle = at.position - frame.emitter.xyz;
+    vec3 from = -toward_light(at, light), middle = at.position - light.emitter.xyz;
     float around = length(from) * pow(dot(middle, middle), -1.5);
-    float aside = max(dot(frame.emitter.xyz, from), 0.0) * pow(dot(from, from), -1.5);
-    return frame.emitter.w == ALL_AROUND ? around : aside;
+    float aside = max(dot(light.emitter.xyz, from), 0.0) * pow(dot(from, from), -1.5);
+    return light.emitter.w == ALL_AROUND ? around : aside;
 }
 
-// Returns true if the light's depth map has a surface nearer to the light. The depth bias covers the depth change of
+// Returns true if depth map number `map`, that of the light, has a surface nearer to the light. The depth bias covers the depth change of
 // the surface within a texel of the map, and rounding.
-bool in_shadow(SurfacePoint at) {
+bool in_shadow(SurfacePoint at, Light light, int map) {
     const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // TEXEL: the diagonal, with a margin
-    vec3 toward = toward_light(at);
+    vec3 toward = toward_light(at, light);
     float cosine = abs(dot(at.face, normalize(toward)));
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
-    mat4 clip_from_world = frame.shadow_from_world;
+    mat4 clip_from_world = light.shadow_from_world;
     vec4 clip = clip_from_world * vec4(at.position, 1.0);
-    vec2 size = vec2(textureSize(shadow, 0));
+    vec2 size = vec2(textureSize(shadow, 0).xy);
     // For parallel light the clip space is two units wide and one deep.
     float bias = ROUNDING + slope * TEXEL / size.x;
     if (LAMP) {
@@ -53,19 +53,19 @@ bool in_shadow(SurfacePoint at) {
         slope = sqrt(max(1.0 - along * along, 0.0)) * clip.w / (max(cosine, 1e-6) * length(toward));
         slope = min(slope, STEEPEST);
         // Depth is A + B/distance; B is z of the lamp's position before the division.
-        float reach = (clip_from_world * vec4(frame.light.xyz, 1.0)).z;
+        float reach = (clip_from_world * vec4(light.toward.xyz, 1.0)).z;
         float texel = 2.0 * clip.w / (size.x * length(vec3(clip_from_world[0].x, clip_from_world[1].x, clip_from_world[2].x)));
         bias = abs(reach) / (clip.w * clip.w) * (ROUNDING * clip.w + slope * TEXEL * texel);
     }
     vec3 place = clip.xyz / clip.w;
     vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
     // Beyond the far end of the map nothing is in shadow: all casters are nearer.
-    return texelFetch(shadow, ivec2(texel), 0).r < min(place.z - bias, 1.0);
+    return texelFetch(shadow, ivec3(texel, map), 0).r < min(place.z - bias, 1.0);
 }
 
 // Returns the unit vector to the light in the world where the point has moved.
-vec3 light_from(SurfacePoint at, vec3 move) {
-    return normalize(LAMP ? toward_light(at) - move : toward_light(at));
+vec3 light_from(SurfacePoint at, Light light, vec3 move) {
+    return normalize(LAMP ? toward_light(at, light) - move : toward_light(at, light));
 }
 
 // Returns the footprint whose covariance is the sum of that of `change` and that of a light with a `variance` of
@@ -82,27 +82,27 @@ Footprint widened(Footprint change, float variance, vec2 to_light) {
 }
 
 // Returns the Jacobian of (u, v) = -(w_i + w_r).xy per pixel, x to the right, y downward: differences to the neighbours in
-// the quad. `to_light` is in the frame of the patch.
-Footprint footprint_of(SurfacePoint at, vec3 to_light) {
-    vec3 light = vec3(to_light.x, at.sense * to_light.y, to_light.z);
+// the quad. `views`: differences of the direction to the viewer. `to_light` is in the frame of the patch.
+Footprint footprint_of(SurfacePoint at, mat2x3 views, Light light, vec3 to_light) {
+    vec3 here = vec3(to_light.x, at.sense * to_light.y, to_light.z);
     mat2x3 moves = LAMP ? moves_on_plane(at, at.face) : mat2x3(0.0);
-    mat2x3 views = view_differences(at);
-    vec3 right = light_from(at, at.toward.x * moves[0]), down = light_from(at, at.toward.y * moves[1]);
-    vec2 dx = (views[0] + difference(at, at.curving_right, at.toward.x, light, right)).xy;
-    vec2 dy = (views[1] + difference(at, at.curving_down, at.toward.y, light, down)).xy;
+    vec3 right = light_from(at, light, at.toward.x * moves[0]);
+    vec3 down = light_from(at, light, at.toward.y * moves[1]);
+    vec2 dx = (views[0] + difference(at, at.curving_right, at.toward.x, here, right)).xy;
+    vec2 dy = (views[1] + difference(at, at.curving_down, at.toward.y, here, down)).xy;
     vec2 sense = -vec2(1.0, at.sense);
     Footprint change = Footprint(sense * dx, sense * dy);
-    float variance = frame.light.w / (frame.at.footprint * frame.at.footprint);
+    float variance = light.toward.w / (frame.at.footprint * frame.at.footprint);
     if (LAMP) {
-        vec3 toward = toward_light(at);
+        vec3 toward = toward_light(at, light);
         variance /= dot(toward, toward);
     }
     return widened(change, variance, to_light.xy);
 }
 
 // Returns the radiance of the surroundings in the mirrored direction, averaged over the pixel and over the spread of
-// the specular order; 0 if the direction points into the surface.
-vec3 mirrored_radiance(SurfacePoint at) {
+// the specular order; 0 if the direction points into the surface. `changes`: differences of the direction to the viewer.
+vec3 mirrored_radiance(SurfacePoint at, mat2x3 changes, Light light) {
     vec3 to_eye = normalize(frame.eye.xyz - at.position);
     vec3 normal = rotated(-at.rotation, vec3(0.0, 0.0, 1.0));
     vec3 mirrored = 2.0 * dot(to_eye, normal) * normal - to_eye;
@@ -111,10 +111,9 @@ vec3 mirrored_radiance(SurfacePoint at) {
     }
     // Change of the mirrored direction in the world: that in the frame, less the rotation of the frame.
     vec3 own = rotated(at.rotation, mirrored);
-    mat2x3 changes = view_differences(at);
     vec3 dx = vec3(-changes[0].xy, changes[0].z) - cross(at.curving_right, own);
     vec3 dy = vec3(-changes[1].xy, changes[1].z) - cross(at.curving_down, own);
     float spread = frame.at.footprint * frame.at.footprint * 0.5 * (dot(dx, dx) + dot(dy, dy));
     // A Gaussian in (u, v) is one of directions, wider by 1/cosine in the plane of incidence.
-    return radiance_toward(mirrored, sqrt(spread + frame.surroundings.w / max(own.z, 0.1))) * frame.irradiance.w;
+    return radiance_toward(mirrored, sqrt(spread + frame.surroundings.w / max(own.z, 0.1))) * light.irradiance.w;
 }

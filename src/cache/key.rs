@@ -27,17 +27,19 @@ impl Key {
     /// # Errors
     /// Settings that JSON cannot hold, such as maps whose keys are no text.
     pub fn new(format: &EntryFormat, settings: &impl Serialize, field: &HeightField) -> Result<Self> {
-        let mut hasher = blake3::Hasher::new();
-        let EntryFormat { name, version } = format;
-        let json = serde_json::to_vec(&(name, version, settings)).map_err(|e| {
-            Error::failed(format!("the settings are no key ({e})"), "report this as a bug of diffract")
-        })?;
-        hasher.update(&(json.len() as u64).to_le_bytes());
-        hasher.update(&json);
+        let mut hasher = hasher_of(format, settings)?;
         hasher.update(bytemuck::cast_slice(&[field.columns() as u64, field.rows() as u64]));
         hasher.update(bytemuck::cast_slice(&field.pixel_size()));
         hasher.update_rayon(bytemuck::cast_slice(field.heights()));
         Ok(Self(hasher.finalize()))
+    }
+
+    /// Returns the key of a result of `format` that depends on `settings` alone, hashed as by [`Self::new`].
+    ///
+    /// # Errors
+    /// Same as [`Self::new`].
+    pub fn of_settings(format: &EntryFormat, settings: &impl Serialize) -> Result<Self> {
+        Ok(Self(hasher_of(format, settings)?.finalize()))
     }
 
     /// Returns a key of `name` alone, for tests of readers without settings.
@@ -53,4 +55,16 @@ impl Key {
     pub(super) fn as_bytes(&self) -> &[u8; blake3::OUT_LEN] {
         self.0.as_bytes()
     }
+}
+
+/// Returns a hasher of `format` and `settings`.
+fn hasher_of(format: &EntryFormat, settings: &impl Serialize) -> Result<blake3::Hasher> {
+    let mut hasher = blake3::Hasher::new();
+    let EntryFormat { name, version } = format;
+    let json = serde_json::to_vec(&(name, version, settings)).map_err(|e| {
+        Error::failed(format!("the settings are no key ({e})"), "report this as a bug of diffract")
+    })?;
+    hasher.update(&(json.len() as u64).to_le_bytes());
+    hasher.update(&json);
+    Ok(hasher)
 }

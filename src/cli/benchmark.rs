@@ -253,7 +253,7 @@ impl BenchmarkScene {
     /// # Errors
     /// A lost device.
     pub fn paint(&self, renderer: &mut Renderer) -> Result<Picture> {
-        self.paint_samples(renderer, Sampling::ONE)
+        self.render(renderer, Sampling::ONE)
     }
 
     /// Measures the errors of the picture at `count` random pixels that the device or the reference covers.
@@ -272,7 +272,7 @@ impl BenchmarkScene {
         let one = shown(&picture, &pixels);
         let errors = |found: &[DVec3], exact: &[DVec3]| PixelErrors::of(found, exact, self.scene.exposure);
         let sampling = Sampling { count: MORE_SAMPLES, seed: 0 };
-        let more = shown(&self.paint_samples(&mut benchmark.renderer, sampling)?, &pixels);
+        let more = shown(&self.render(&mut benchmark.renderer, sampling)?, &pixels);
         let mut all = PictureErrors {
             pixels: Some(errors(&one, &colors)),
             whole: Some(errors(&one, &of_rays)),
@@ -301,8 +301,8 @@ impl BenchmarkScene {
     }
 
     /// Draws the picture of `renderer` from all samples of `sampling`, displayed as the scene says.
-    fn paint_samples(&self, renderer: &mut Renderer, sampling: Sampling) -> Result<Picture> {
-        renderer.paint_samples(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
+    fn render(&self, renderer: &mut Renderer, sampling: Sampling) -> Result<Picture> {
+        renderer.render(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
     }
 
     /// Times the frame and measures the errors of its picture; the fields that depend on the setting stay empty.

@@ -20,13 +20,16 @@ use std::ffi::OsStr;
 use std::sync::{Arc, Once};
 use std::time::Instant;
 
-/// Opens the device that `wish` names.
+/// Opens the device that `wish` names, with the pipelines that the cache keeps for it.
 pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
-    Device::open(Arc::new(Instance::new(validation())?), wish)
+    let device = Device::open(Arc::new(Instance::new(validation())?), wish)?;
+    setup::load_pipelines(&device);
+    Ok(device)
 }
 
-/// Fails if there are validation messages about `device` so far.
+/// Keeps the pipelines of `device`. Fails if there are validation messages about it so far.
 pub fn finish(device: &Device) -> Result<()> {
+    setup::keep_pipelines(device);
     check_validation(&device.instance().messages())
 }
 

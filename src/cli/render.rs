@@ -343,7 +343,9 @@ fn reference_picture(
     let chosen = match shaded {
         Some(count) => {
             let mut covered = BTreeSet::new();
-            for pass in view.schedule(sampling).groups().flat_map(|group| group.passes) {
+            let schedule = view.schedule(sampling);
+            let passes = schedule.groups().flat_map(|group| group.passes);
+            for pass in passes.flat_map(LightPass::each_light) {
                 covered.extend(reference_picture::covered(&[directions(&pass)?]));
             }
             let covered: Vec<usize> = covered.into_iter().collect();

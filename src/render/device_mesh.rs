@@ -44,9 +44,9 @@ impl DeviceMesh {
 }
 
 impl DeviceMesh {
-    /// Draws all triangles with the bound pipeline, whose vertex input is [`attributes`].
-    pub(super) fn draw(&self, draw: &Recorder<'_>) {
-        draw.draw_indexed(&self.vertices, &self.indices, self.count);
+    /// Draws all triangles with the bound pipeline, whose vertex input is [`attributes`], as instance number `instance`.
+    pub(super) fn draw(&self, draw: &Recorder<'_>, instance: u32) {
+        draw.draw_indexed(&self.vertices, &self.indices, self.count, instance);
     }
 }
 

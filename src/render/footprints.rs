@@ -107,7 +107,8 @@ pub fn sizes(
 
 /// Returns the first pass of each light of `view` in a picture by `sampling`.
 fn each_light(view: &View, sampling: &Sampling) -> Vec<LightPass> {
-    let first = view.schedule(sampling).after(0).passes;
+    let first = view.schedule(sampling).after(0).passes.into_iter().flat_map(LightPass::each_light);
+    let first: Vec<LightPass> = first.collect();
     let of = |light| first.iter().find(|pass| pass.light == light).copied();
     (0..view.light_count()).filter_map(of).collect()
 }

@@ -1,9 +1,9 @@
 //! A frame: the view that is drawn, and the settings of its display.
 
-use super::frame_set::FrameBlock;
-use super::light_passes::{LightPass, LightSchedule};
+use super::frame_set::{FrameBlock, LightBlock};
+use super::light_passes::{LightPass, LightSchedule, MOST_LIGHTS};
 use super::sampling::Sampling;
-use super::shadow_map;
+use super::shadow_map::ShadowSphere;
 use crate::optics::coherence::Coherence;
 use crate::optics::color::Tone;
 use crate::optics::spectrum::Illuminant;
@@ -112,10 +112,15 @@ impl View {
         self.lights.iter().any(Light::is_lamp)
     }
 
-    /// Returns the light incident on the pixels of `pass`; no light if its number does not exist. Each light has a
-    /// separate pair of sequence dimensions, after the pair of the position in the pixel.
+    /// Returns the light incident on the pixels of `pass` from its first light.
     pub fn incident(&self, pass: &LightPass) -> Incident {
-        let LightPass { light, sample, weight, .. } = *pass;
+        self.incident_of(pass.light, pass)
+    }
+
+    /// Returns the light incident on the pixels of `pass` from light number `light`; none if there is no such light.
+    /// Each light has a separate pair of sequence dimensions, after the pair of the position in the pixel.
+    fn incident_of(&self, light: usize, pass: &LightPass) -> Incident {
+        let LightPass { sample, weight, .. } = *pass;
         let room = self.room();
         let incident = match (self.lights.get(light), &self.environment) {
             (Some(own), _) => own.emitter.incident(sample.pair(1 + light as u32), sample.count, &room),
@@ -127,24 +132,51 @@ impl View {
         Incident { irradiance: incident.irradiance * weight as f32, ..incident }
     }
 
+    /// Returns the part of the `Frame` block about light number `light` of `pass`.
+    fn light_block(&self, size: [u32; 2], light: usize, pass: &LightPass) -> LightBlock {
+        let incident = self.incident_of(light, pass);
+        let toward = incident.place.map_or(incident.direction, |place| place.point);
+        let mirrored = if self.is_surroundings(light) { pass.weight as f32 } else { 0.0 };
+        LightBlock {
+            toward: toward.as_vec3().extend(incident.variance as f32).to_array(),
+            emitter: LightBlock::emitter_of(incident.place.as_ref()),
+            irradiance: incident.irradiance.extend(mirrored).to_array(),
+            shadow_from_world: self.shadow_from_world(size, light, pass).to_cols_array_2d(),
+        }
+    }
+
+    /// Returns the matrix from the world to the clip space of the depth map of light number `light` for `pass`. Samples
+    /// share the map of the light's centre if nobody sees the difference.
+    fn shadow_from_world(&self, size: [u32; 2], light: usize, pass: &LightPass) -> Mat4 {
+        let sphere = self.shadow_sphere(size);
+        let whole = self.lights.get(light).map(|own| own.emitter.incident([0.5; 2], 1, &self.room()));
+        let shared = whole.filter(|whole| sphere.hides_extent_of(whole));
+        let jitter = if shared.is_some() { [0.0; 2] } else { pass.sample.jitter };
+        let incident = shared.unwrap_or_else(|| self.incident_of(light, pass));
+        match incident.place {
+            None => sphere.clip_from_world(incident.direction, jitter),
+            Some(place) => sphere.clip_from_lamp(place.point.as_vec3(), jitter),
+        }
+    }
+
+    /// Returns the sphere that depth maps cover in pictures of `size` pixels.
+    pub fn shadow_sphere(&self, size: [u32; 2]) -> ShadowSphere {
+        let distance = self.camera.eye().distance(self.centre);
+        let pixel = 2.0 * distance * (0.5 * self.camera.field_of_view).tan() / size[1].max(1) as f32;
+        ShadowSphere { centre: self.centre, radius: self.radius, pixel }
+    }
+
     /// Returns the `Frame` block of `pass` in a picture of `size` pixels.
     pub fn block(&self, size: [u32; 2], pass: &LightPass) -> FrameBlock {
-        let incident = self.incident(pass);
-        let toward = incident.place.map_or(incident.direction, |place| place.point);
-        let (centre, radius, jitter) = (self.centre, self.radius, pass.sample.jitter);
-        let shadow_from_world = match incident.place {
-            None => shadow_map::clip_from_world(incident.direction, centre, radius, size, jitter),
-            Some(place) => shadow_map::clip_from_lamp(place.point.as_vec3(), centre, radius, size, jitter),
-        };
-        let mirrored = if self.is_surroundings(pass.light) { pass.weight as f32 } else { 0.0 };
         let clip_from_world = self.clip_from_world(size);
+        let mut lights = [LightBlock::default(); MOST_LIGHTS];
+        for (block, light) in lights.iter_mut().zip(pass.numbers()) {
+            *block = self.light_block(size, light, pass);
+        }
         FrameBlock {
-            clip_from_world: camera::jittered(clip_from_world, size, jitter).to_cols_array_2d(),
+            clip_from_world: camera::jittered(clip_from_world, size, pass.sample.jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
-            light: toward.as_vec3().extend(incident.variance as f32).to_array(),
-            emitter: FrameBlock::emitter_of(incident.place.as_ref()),
-            irradiance: incident.irradiance.extend(mirrored).to_array(),
-            shadow_from_world: shadow_from_world.to_cols_array_2d(),
+            lights,
             base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
             grooves: [0.0, 0.0, 2.0 / size[0] as f32, 2.0 / size[1] as f32],
             surroundings: self.environment.as_ref().map_or([0.0; 4], |environment| {

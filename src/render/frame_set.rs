@@ -3,6 +3,7 @@
 
 use super::gbuffer::GBuffer;
 use super::grooves::GrooveDirections;
+use super::light_passes::MOST_LIGHTS;
 use super::pigment::Pigment;
 use super::surroundings::Surroundings;
 use super::upload;
@@ -27,14 +28,6 @@ pub struct FrameBlock {
     pub clip_from_world: [[f32; 4]; 4],
     /// Position of the viewer; w unused.
     pub eye: [f32; 4],
-    /// Unit vector to the light and the variance of the directions it represents; for a lamp, a point and the variance
-    /// of its points.
-    pub light: [f32; 4],
-    /// Kind of emitter: see [`FrameBlock::emitter_of`].
-    pub emitter: [f32; 4],
-    /// Irradiance over π of a surface that faces the light, linear sRGB; for a lamp, at distance 1. w: weight of the
-    /// mirrored radiance of surroundings, if the light is drawn from them.
-    pub irradiance: [f32; 4],
     /// Albedo of the pigment; w: 1 if the texture is used.
     pub base_color: [f32; 4],
     /// Cosine and sine of the angle by which the patch is turned, if the angle is constant over the object; size of a
@@ -43,13 +36,29 @@ pub struct FrameBlock {
     /// Orientation and scale of the surroundings: cosine and sine of their rotation, value of a stored 1, and variance
     /// of (u, v) of the specular order.
     pub surroundings: [f32; 4],
-    /// World to the clip space of the light's depth map, column by column.
-    pub shadow_from_world: [[f32; 4]; 4],
     /// Sample of the picture.
     pub sample: SampleBlock,
+    /// Lights that are drawn together; unused ones are 0.
+    pub lights: [LightBlock; MOST_LIGHTS],
 }
 
-impl FrameBlock {
+/// Sample of a light (std140).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightBlock {
+    /// Unit vector to the light and the variance of the directions it represents; for a lamp, a point and the variance
+    /// of its points.
+    pub toward: [f32; 4],
+    /// Kind of emitter: see [`LightBlock::emitter_of`].
+    pub emitter: [f32; 4],
+    /// Irradiance over π of a surface that faces the light, linear sRGB; for a lamp, at distance 1. w: weight of the
+    /// mirrored radiance of surroundings, if the light is drawn from them.
+    pub irradiance: [f32; 4],
+    /// World to the clip space of the light's depth map, column by column.
+    pub shadow_from_world: [[f32; 4]; 4],
+}
+
+impl LightBlock {
     /// Returns `emitter` of a light: w is 0 for a distant light, 1 for a lamp that emits in all directions (xyz: its
     /// centre), and 2 for a lamp that emits to one side (xyz: its normal).
     pub fn emitter_of(place: Option<&LampPoint>) -> [f32; 4] {
@@ -91,7 +100,7 @@ pub mod binding {
     pub const ORIENTATION: u32 = 3;
     /// [`super::GBuffer::curving`].
     pub const CURVING: [u32; 2] = [4, 5];
-    /// Depth from the light.
+    /// Depth from the lights.
     pub const SHADOW: u32 = 6;
     /// Picture of the surroundings.
     pub const SURROUNDINGS: u32 = 7;
@@ -106,11 +115,13 @@ pub struct FrameSet {
     /// Descriptor set of the pipelines.
     pub descriptors: Descriptors,
     frame: Buffer,
-    pigment: Image,
+    _pigment: Image,
     _grooves: Image,
     _repeat: Sampler,
     edge: Sampler,
     nearest: Sampler,
+    // Stands in for missing depth maps.
+    unshadowed: Image,
     environment_sampler: Sampler,
     surroundings: Option<Arc<Surroundings>>,
 }
@@ -142,6 +153,8 @@ impl FrameSet {
         let edge = Sampler::linear(device, "pixel sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         let nearest = Sampler::nearest(device, "shadow sampler")?;
         let repeat = Sampler::linear(device, "pigment sampler", vk::SamplerAddressMode::REPEAT)?;
+        let unshadowed =
+            upload::texture(device, "no shadow", vk::Format::R8G8B8A8_UNORM, [1, 1], Some(1), &[u8::MAX; 4])?;
         let bytes = size_of::<FrameBlock>() as u64;
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let frame = Buffer::new(device, "frame", bytes, uniform, MemoryLocation::CpuToGpu)?;
@@ -155,11 +168,12 @@ impl FrameSet {
         let set = Self {
             descriptors,
             frame,
-            pigment: image,
+            _pigment: image,
             _grooves: directions,
             _repeat: repeat,
             edge,
             nearest,
+            unshadowed,
             environment_sampler,
             surroundings: None,
         };
@@ -183,10 +197,9 @@ impl FrameSet {
         }
     }
 
-    /// Points the set at the depth map of the light, if there is one. The device must not be using the set.
-    pub fn read_shadow(&self, map: Option<&Image>) {
-        // The pigment is always readable and stands in for a missing map.
-        self.descriptors.image(binding::SHADOW, map.unwrap_or(&self.pigment), &self.nearest);
+    /// Points the set at the depth maps of the lights, if there are any. The device must not be using the set.
+    pub fn read_shadow(&self, maps: Option<&Image>) {
+        self.descriptors.image(binding::SHADOW, maps.unwrap_or(&self.unshadowed), &self.nearest);
     }
 
     /// Uploads the picture of `environment` unless it is there already, and points the set at it. Returns the radiance

@@ -6,6 +6,7 @@
 
 use super::sampling::{Sample, Sampling};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Ratio of all samples to those that draw the surroundings in addition to other lights.
 ///
@@ -18,29 +19,50 @@ const ALL_AROUND: f64 = PI;
 /// Fewest samples that draw the surroundings if not all do: fewer do not represent all directions.
 const FEWEST: u32 = 4;
 
-/// Light drawn by a sample of a picture.
+/// Largest number of lights in a pass.
+pub const MOST_LIGHTS: usize = 8;
+
+/// Lights that a sample of a picture draws together: consecutive ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPass {
-    /// Number of the light.
+    /// Number of the first light.
     pub light: usize,
-    /// Sample: its position in the pixel, and its number among the samples that draw this light.
+    /// Number of lights, 1 … [`MOST_LIGHTS`].
+    pub lights: usize,
+    /// Sample: its position in the pixel, and its number among the samples that draw these lights.
     pub sample: Sample,
-    /// Factor of the brightness: samples of the picture over samples that draw this light.
+    /// Factor of the brightness: samples of the picture over samples that draw these lights.
     pub weight: f64,
-    /// True for the first light of a sample, which counts the covered pixels.
+    /// True for the first lights of a sample, which count the covered pixels.
     pub is_first: bool,
 }
 
 impl LightPass {
-    /// Returns the pass of light number `light` in a `sample` of a picture whose samples draw all lights.
+    /// Returns the pass of light number `light` alone in a `sample` of a picture whose samples draw all lights.
     pub const fn of_all(light: usize, sample: Sample) -> Self {
-        Self { light, sample, weight: 1.0, is_first: light == 0 }
+        Self { light, lights: 1, sample, weight: 1.0, is_first: light == 0 }
+    }
+
+    /// Iterates over the numbers of the lights.
+    pub fn numbers(&self) -> Range<usize> {
+        self.light..self.light + self.lights
+    }
+
+    /// Iterates over passes of one light each.
+    pub fn each_light(self) -> impl Iterator<Item = Self> {
+        let of =
+            move |light| Self { light, lights: 1, is_first: self.is_first && light == self.light, ..self };
+        self.numbers().map(of)
     }
 }
 
 /// Returns the passes of all `lights` in one `sample`; without lights, one dark pass.
 pub fn all_lights(lights: usize, sample: Sample) -> Vec<LightPass> {
-    (0..lights.max(1)).map(|light| LightPass::of_all(light, sample)).collect()
+    let lights = lights.max(1);
+    let first = (0..lights).step_by(MOST_LIGHTS);
+    let pass =
+        |light| LightPass { lights: MOST_LIGHTS.min(lights - light), ..LightPass::of_all(light, sample) };
+    first.map(pass).collect()
 }
 
 /// Samples that are drawn together, so that their mean contains all lights.
@@ -103,7 +125,7 @@ impl LightSchedule {
         let count = self.sampling.count.div_ceil(EVERY);
         let sample = Sample { count, ..self.sampling.sample(group) };
         let weight = f64::from(self.sampling.count) / f64::from(count);
-        LightPass { light, sample, weight, is_first: false }
+        LightPass { light, lights: 1, sample, weight, is_first: false }
     }
 }
 
@@ -147,7 +169,8 @@ mod tests {
             let sampling = Sampling { count, seed: 1 };
             let groups: Vec<SampleGroup> = schedule(lights, true, &sampling).groups().collect();
             assert_eq!(groups.iter().map(|group| group.samples).sum::<u32>(), count);
-            let all: Vec<LightPass> = groups.iter().flat_map(|group| group.passes.clone()).collect();
+            let all: Vec<LightPass> =
+                groups.iter().flat_map(|group| &group.passes).flat_map(|pass| pass.each_light()).collect();
             assert_eq!(all.iter().filter(|pass| pass.is_first).count(), count as usize);
             for light in 0..=lights {
                 let own: Vec<&LightPass> = all.iter().filter(|pass| pass.light == light).collect();
@@ -162,10 +185,24 @@ mod tests {
                 let seldom = light == lights;
                 assert_eq!(own.len() as u32, if seldom { count.div_ceil(EVERY) } else { count });
                 let in_group = |group: &SampleGroup| {
-                    group.passes.iter().filter(|pass| pass.light == light).count() as u32
+                    group.passes.iter().filter(|pass| pass.numbers().contains(&light)).count() as u32
                 };
                 assert!(groups.iter().all(|group| in_group(group) == if seldom { 1 } else { group.samples }));
             }
+        }
+    }
+
+    #[test]
+    fn many_lights_are_drawn_in_passes_of_at_most_eight() {
+        let sample = Sampling::ONE.sample(0);
+        for (lights, passes) in
+            [(0, vec![1]), (1, vec![1]), (8, vec![8]), (9, vec![8, 1]), (20, vec![8, 8, 4])]
+        {
+            let all = all_lights(lights, sample);
+            assert_eq!(all.iter().map(|pass| pass.lights).collect::<Vec<_>>(), passes);
+            let each: Vec<_> = all.into_iter().flat_map(LightPass::each_light).collect();
+            let alone: Vec<_> = (0..lights.max(1)).map(|light| LightPass::of_all(light, sample)).collect();
+            assert_eq!(each, alone);
         }
     }
 

@@ -332,7 +332,8 @@ pub fn reference_mean(
     }
     let mut sum: Vec<DVec4> = Vec::new();
     let groups = view.schedule(sampling).groups().collect::<Vec<SampleGroup>>();
-    let passes: Vec<LightPass> = groups.into_iter().flat_map(|group| group.passes).collect();
+    let passes: Vec<LightPass> =
+        groups.into_iter().flat_map(|group| group.passes).flat_map(LightPass::each_light).collect();
     for (place, pass) in passes.iter().enumerate() {
         let seen = [directions(pass)?];
         let weights = pass.sample.weights();

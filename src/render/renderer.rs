@@ -3,53 +3,53 @@
 use super::evaluator::{Query, QueryPass};
 use super::frame::{Shown, View};
 use super::gbuffer::{GBuffer, GBufferSettings};
-use super::light_passes::{LightPass, all_lights};
+use super::light_passes::LightPass;
 use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
 use super::passes::accumulate::{Accumulation, Addition};
 use super::passes::background::BackgroundPass;
 use super::passes::display::DisplayPass;
 use super::passes::geometry::GeometryPass;
 use super::passes::light_directions::LightDirections;
-use super::passes::light_kind::LightKind;
 use super::passes::probe::{Probe, ProbePass};
-use super::passes::shade::{self, ShadePass, ShadedObject};
+use super::passes::shade;
 use super::passes::shadow::ShadowPass;
-use super::sampling::{Sample, Sampling};
 use super::shading::Shading;
-use super::source::{BoundSource, Source};
+use super::source::Source;
 use super::target::{self, Target};
 use crate::error::{Error, Result};
-use crate::optics::color;
-use crate::optics::spectrum::Illuminant;
-use crate::scene::Light;
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
 use crate::vk::queries::Timestamps;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use std::sync::Arc;
 
 mod display;
+mod in_flight;
 mod read_back;
-pub mod samples;
+mod samples;
+mod shadings;
 mod tiles;
 pub mod timing;
 
 use display::Display;
-use read_back::PictureArea;
+use in_flight::{Finished, InFlight};
+pub use samples::{PictureRequest, Progress};
+
+use shadings::Shadings;
 use tiles::{Piece, Tiles};
 use timing::DrawTimes;
 
 /// Draws pictures of one object or of several.
 pub struct Renderer {
     commands: Commands,
+    in_flight: InFlight,
     geometry_pass: GeometryPass,
     // Present if the objects cast shadows.
     shadow_pass: Option<ShadowPass>,
     // At least one.
     objects: Vec<DeviceObject>,
-    // Shadings in the order of the objects, one or more for each.
-    shadings: Vec<ObjectShading>,
+    shadings: Shadings,
     gbuffer: GBuffer,
     display: DisplayPass,
     target: Target,
@@ -71,53 +71,6 @@ pub struct Renderer {
     block_input: Option<PassInput>,
     image_input: Option<PassInput>,
     device: Arc<Device>,
-}
-
-/// Source and pass of an object under the lights of one illuminant.
-struct ObjectShading {
-    /// Number of the object.
-    object: usize,
-    // True for the default shading of the object, used for lights without a separate illuminant.
-    is_first: bool,
-    illuminant: Illuminant,
-    // White of the illuminant, linear sRGB.
-    white: Vec3,
-    source: BoundSource,
-    pass: ShadePass,
-    // Variance of (u, v) of the specular order, if surroundings are read in the mirrored direction.
-    specular_spread: Option<f32>,
-}
-
-impl ObjectShading {
-    /// Returns the draw call of this shading on its object among `objects`, under a light of this `kind`. `counts`: the
-    /// draw adds 1 to the coverage of its pixels.
-    fn of<'a>(&'a self, objects: &'a [DeviceObject], kind: LightKind, counts: bool) -> ShadedObject<'a> {
-        let Self { object: number, white, source, pass, .. } = self;
-        ShadedObject { number: *number, object: &objects[*number], source, pass, kind, white: *white, counts }
-    }
-}
-
-/// Returns the shadings of object `number` from `sources`. They mirror a specular order of the variance `spread`, if it is
-/// given, instead of that of the source.
-fn object_shadings<'a>(
-    number: usize,
-    sources: Vec<(BoundSource, &'a Illuminant)>,
-    spread: Option<f64>,
-) -> impl Iterator<Item = ObjectShading> + use<'a> {
-    sources.into_iter().enumerate().map(move |(place, (source, illuminant))| ObjectShading {
-        object: number,
-        is_first: place == 0,
-        illuminant: illuminant.clone(),
-        white: white_of(illuminant),
-        pass: ShadePass::default(),
-        specular_spread: spread.map(|spread| spread as f32).or(source.specular_spread),
-        source,
-    })
-}
-
-/// Returns the colour of a white diffuse surface under `illuminant`, linear sRGB.
-fn white_of(illuminant: &Illuminant) -> Vec3 {
-    color::xyz_to_linear_srgb(illuminant.white()).as_vec3()
 }
 
 /// Settings of a renderer, which hold for all of its pictures.
@@ -220,17 +173,17 @@ impl Renderer {
         let target = Target::new(device, size)?;
         let display = DisplayPass::new(device, target::DISPLAY, gbuffer_settings.depth_format())?;
         display.read_from(&target.radiance);
-        let mut shadings = Vec::new();
+        let mut shadings = Shadings::new(settings.shadows);
         for (number, (own, bound)) in objects.iter().zip(sources).enumerate() {
             let illuminants = own.sources.all().map(|of| &of.shading.illuminant);
-            let bound = bound.into_iter().zip(illuminants).collect();
-            shadings.extend(object_shadings(number, bound, settings.specular_spread));
+            shadings.add(number, bound.into_iter().zip(illuminants), settings.specular_spread);
         }
         let upload = |object: &ObjectData<'_>| DeviceObject::new(device, object, &gbuffer);
         let objects = objects.iter().map(upload).collect::<Result<Vec<_>>>()?;
-        let shadow_pass = settings.shadows.then(|| ShadowPass::new(device, &objects, size)).transpose()?;
+        let shadow_pass = settings.shadows.then(|| ShadowPass::new(device, &objects)).transpose()?;
         Ok(Self {
             commands: Commands::new(device, "frame")?,
+            in_flight: InFlight::new(device)?,
             geometry_pass: GeometryPass::new(device, &objects, &gbuffer)?,
             shadow_pass,
             shadings,
@@ -262,9 +215,6 @@ impl Renderer {
         }
         self.invalidate();
         let gbuffer = GBuffer::new(&self.device, size, self.gbuffer.settings)?;
-        if self.shadow_pass.is_some() {
-            self.shadow_pass = Some(ShadowPass::new(&self.device, &self.objects, size)?);
-        }
         self.objects.iter().for_each(|object| object.frame.read_from(&gbuffer));
         (self.gbuffer, self.light_directions) = (gbuffer, None);
         self.target = Target::new(&self.device, size)?;
@@ -285,7 +235,7 @@ impl Renderer {
             self.background = Some(BackgroundPass::new(&self.device, &self.objects[0].frame, depth_format)?);
             self.bind_background();
         }
-        let mirrored = view.environment.as_ref().filter(|_| self.mirrors_surroundings());
+        let mirrored = view.environment.as_ref().filter(|_| self.shadings.mirrors_surroundings());
         let Some(environment) = mirrored.or(shown) else { return Ok(0.0) };
         let Some((first, others)) = self.objects.split_first_mut() else { return Ok(0.0) };
         let unit = first.frame.bind_environment(&self.device, environment)?;
@@ -309,91 +259,36 @@ impl Renderer {
         self.image_input = None;
     }
 
-    /// Shades the first object from `source` by `shading` from now on, as [`Self::shade_objects_by`].
+    /// Sets the source of the first object and its shading, as [`Self::set_sources`].
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn shade_by(&mut self, source: &Source, shading: &Shading) -> Result<()> {
-        self.shade_objects_by([&ObjectSources::new(source.clone(), shading.clone())])
+    pub fn set_source(&mut self, source: &Source, shading: &Shading) -> Result<()> {
+        self.set_sources([&ObjectSources::new(source.clone(), shading.clone())])
     }
 
-    /// Shades the objects from `sources` from now on. Their large data must be uploaded already; only the parts that
+    /// Sets the sources of the objects. Their large data must be uploaded already; only the parts that
     /// depend on the index, the illuminant or the number of copies are uploaded.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn shade_objects_by<'a>(
-        &mut self,
-        sources: impl IntoIterator<Item = &'a ObjectSources>,
-    ) -> Result<()> {
+    pub fn set_sources<'a>(&mut self, sources: impl IntoIterator<Item = &'a ObjectSources>) -> Result<()> {
         self.invalidate();
-        let sources = sources.into_iter().flat_map(ObjectSources::all);
-        for (own, ObjectSource { source, shading }) in self.shadings.iter_mut().zip(sources) {
-            source.rebind(&self.device, &mut own.source, shading)?;
-            if own.illuminant != shading.illuminant {
-                own.illuminant.clone_from(&shading.illuminant);
-                own.white = white_of(&shading.illuminant);
-            }
-        }
-        Ok(())
-    }
-
-    /// Draws one sample of `view` at the pixel centres, displays it without tone mapping and leaves the result on the
-    /// device.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn draw(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<()> {
-        self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
-    }
-
-    /// Draws a single `sample` of `view` under all lights and displays it with the settings `shown`.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
-        let drawn =
-            DrawRequest { view, size: self.target.size(), passes: &all_lights(view.light_count(), *sample) };
-        self.draw_whole(drawn, FinalStep::Display(shown))
-    }
-
-    /// Draws one sample of `view` with `size` pixels, at most those of the target, in pieces of about ten milliseconds
-    /// each, between which other work gets the device. Calls `go_on` before each piece with the fraction of the picture
-    /// that is drawn; if it returns false, the picture is abandoned and the former display stays. Returns the
-    /// milliseconds that the device took, or `None` for an abandoned picture.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn draw_while(
-        &mut self,
-        view: &View,
-        shown: Shown,
-        size: [u32; 2],
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<f64>> {
-        let drawn =
-            DrawRequest { view, size, passes: &all_lights(view.light_count(), Sampling::ONE.sample(0)) };
-        let times = self.draw_tiles(drawn, FinalStep::Display(shown), go_on)?;
-        Ok(times.map(|times| times.total()))
-    }
-
-    /// Returns the number of parts of a pixel's sum under a light of this `kind`.
-    fn parts(&self, kind: LightKind) -> u32 {
-        self.shadings.iter().map(|own| own.source.parts(kind.mirrored)).max().unwrap_or(1)
+        self.shadings.rebind(&self.device, sources.into_iter().flat_map(ObjectSources::all))
     }
 
     /// Draws `drawn` pass by pass, each in a single submission.
     fn draw_whole(&mut self, drawn: DrawRequest<'_>, finish: FinalStep) -> Result<()> {
         for number in 0..drawn.passes.len() {
             self.write(drawn.view, drawn.size, &drawn.passes[number])?;
-            let kind = self.kind(drawn.view, &drawn.passes[number]);
-            let piece = Piece::whole(drawn.size, self.parts(kind));
+            let piece = Piece::whole(drawn.size, self.shadings.parts(drawn.view, &drawn.passes[number]));
             self.submit(drawn, number, piece, finish)?;
+            self.in_flight.finish()?;
         }
         Ok(())
     }
 
-    /// Draws `drawn` pass by pass in pieces, as [`Self::draw_while`] describes. Returns the device time.
+    /// Draws `drawn` pass by pass in pieces, as [`Self::draw`] describes. Returns the device time.
     fn draw_tiles(
         &mut self,
         drawn: DrawRequest<'_>,
@@ -405,30 +300,31 @@ impl Renderer {
         let mut total = DrawTimes::default();
         for (number, pass) in passes.iter().enumerate() {
             self.write(view, size, pass)?;
-            let kind = self.kind(view, pass);
-            let iterations = |own: &ObjectShading| own.source.iterations_of_pixel(kind.mirrored);
-            let iterations = self.shadings.iter().map(iterations).max().unwrap_or(0);
-            let mut tiles = Tiles::new(size, self.pixel_time, iterations, self.parts(kind));
+            let (iterations, parts) = (self.shadings.iterations(view, pass), self.shadings.parts(view, pass));
+            let mut tiles = Tiles::new(size, self.pixel_time, iterations, parts);
             loop {
                 let done = (number as f64 + tiles.drawn()) / count;
                 let Some(piece) = tiles.next_piece() else { break };
                 if !go_on(done) {
+                    self.in_flight.finish()?;
                     return Ok(None);
                 }
-                let times = self.submit(drawn, number, piece, finish)?;
-                tiles.took(times.shading);
-                total.add(times);
+                if let Some(Finished { pixels, times }) = self.submit(drawn, number, piece, finish)? {
+                    tiles.took(pixels, times.shading);
+                    total.add(times);
+                }
             }
+            self.in_flight.finish()?.into_iter().for_each(|finished| total.add(finished.times));
         }
         self.pixel_time = Some(total.shading / (count * f64::from(size[0]) * f64::from(size[1])));
         Ok(Some(total))
     }
 
-    /// Displays the last picture again with other settings; returns false if there is no complete picture.
+    /// Displays the last picture with other settings; returns false if there is no complete picture.
     ///
     /// # Errors
     /// Fails if the device is lost.
-    pub fn display_again(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
+    pub fn display(&mut self, size: [u32; 2], shown: Shown) -> Result<bool> {
         self.write_shown()?;
         let target = &self.target;
         let frame = &self.objects[0].frame.descriptors;
@@ -458,29 +354,28 @@ impl Renderer {
 
     /// Draws a `piece` of pass number `number`, whose `Frame` block is written. The first piece of a pass includes the
     /// depth from its light and the G-buffer, unless they are up to date, the last piece of a pass its addition, and the
-    /// last piece of all the remaining steps of `finish`.
+    /// last piece of all the remaining steps of `finish`. Returns the piece before the last one, which has finished.
     fn submit(
         &mut self,
         drawn: DrawRequest<'_>,
         number: usize,
         piece: Piece,
         finish: FinalStep,
-    ) -> Result<DrawTimes> {
+    ) -> Result<Option<Finished>> {
         let DrawRequest { view, size, passes } = drawn;
-        let pass = passes[number];
-        let kind = self.kind(view, &pass);
-        let (first, last) = (piece.is_first(), piece.is_last(size, self.parts(kind)));
+        let pass = &passes[number];
+        let (first, last) = (piece.is_first(), piece.is_last(size, self.shadings.parts(view, pass)));
         // Added passes are pictures in themselves; others accumulate in the radiance.
         let is_new = number == 0 || matches!(finish, FinalStep::Add { .. });
         let finishes = last && number + 1 == passes.len();
-        let Piece { tile, parts } = piece;
+        let Piece { tile, parts, pixels } = piece;
         let is_stale = first && !self.gbuffer_is_current();
         let (gbuffer, target) = (&self.gbuffer, &self.target);
         let accumulation = &self.accumulation;
         let objects = &self.objects;
         let frame = &self.objects[0].frame.descriptors;
         let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
-        let shaded = shaded(&self.shadings, objects, view, &pass, kind);
+        let shaded = self.shadings.draws(objects, view, pass);
         let display = Display::new((gbuffer, target), &self.display, background, frame, block_input);
         if self.shows == Content::Sample {
             self.shows = Content::Nothing;
@@ -488,23 +383,22 @@ impl Renderer {
         if is_stale {
             self.image_input = None;
         }
-        self.commands.run(|record| {
+        let finished = self.in_flight.submit(pixels, |record, stamps| {
             let (all, some) = (record.within(size, 0..size[1]), record.tile(size, tile));
-            record.reset(&self.timestamps);
-            record.timestamp(&self.timestamps, 0);
+            record.timestamp(stamps, 0);
             if let Some(shadow_pass) = self.shadow_pass.as_ref().filter(|_| first) {
                 shadow_pass.record(&all, objects);
             }
             if is_stale {
                 self.geometry_pass.record(&all, gbuffer, objects);
             }
-            record.timestamp(&self.timestamps, 1);
+            record.timestamp(stamps, 1);
             if first && is_new {
                 shade::begin(&some, target);
             }
             let begins = is_new && parts.start == 0;
             shade::record(&some, (gbuffer, target), &shaded, parts, begins);
-            record.timestamp(&self.timestamps, 2);
+            record.timestamp(stamps, 2);
             match (finish, accumulation) {
                 (FinalStep::Add { before, samples, shown }, Some(accumulation)) if last => {
                     let weights = pass.sample.weights();
@@ -525,8 +419,7 @@ impl Renderer {
                 }
                 _ => {}
             }
-            record.timestamp(&self.timestamps, 3);
-            Ok(())
+            record.timestamp(stamps, 3);
         })?;
         if first {
             self.image_input = self.block_input.clone();
@@ -540,22 +433,7 @@ impl Renderer {
         } else if self.shows != Content::Mean {
             self.shows = Content::PictureArea;
         }
-        let times = self.timestamps.intervals()?;
-        Ok(DrawTimes { geometry: times[0], shading: times[1], finish: times[2] })
-    }
-
-    /// Returns true if the specular order of surroundings is reflected separately.
-    fn mirrors_surroundings(&self) -> bool {
-        self.shadings.iter().any(|shading| shading.specular_spread.is_some())
-    }
-
-    /// Returns the kind of the light of `pass`.
-    fn kind(&self, view: &View, pass: &LightPass) -> LightKind {
-        LightKind {
-            mirrored: view.is_surroundings(pass.light) && self.mirrors_surroundings(),
-            lamp: view.lights.get(pass.light).is_some_and(Light::is_lamp),
-            shadows: self.shadow_pass.is_some(),
-        }
+        Ok(finished)
     }
 
     /// Returns true if the G-buffer holds the surfaces that the written `Frame` block describes.
@@ -581,9 +459,9 @@ impl Renderer {
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
         let query_pass = match &mut self.query_pass {
             Some(query_pass) => query_pass,
-            none => none.insert(QueryPass::new(&self.device, &self.shadings[0].source)?),
+            none => none.insert(QueryPass::new(&self.device, self.shadings.first_source())?),
         };
-        query_pass.ask(&self.shadings[0].source, queries)
+        query_pass.ask(self.shadings.first_source(), queries)
     }
 
     /// Returns the milliseconds in which the device reads `samples` bilinear samples per pixel of its texture and does
@@ -595,10 +473,10 @@ impl Renderer {
     pub fn probe(&mut self, samples: u32, scattered: bool) -> Result<f64> {
         let probe = Probe { samples, scattered: scattered.into() };
         let pass =
-            ProbePass::new(&self.device, &self.objects[0].frame.descriptors, &self.shadings[0].source)?;
+            ProbePass::new(&self.device, &self.objects[0].frame.descriptors, self.shadings.first_source())?;
         self.invalidate();
         let target = &self.target;
-        let sets = [&self.objects[0].frame.descriptors, &self.shadings[0].source.descriptors];
+        let sets = [&self.objects[0].frame.descriptors, &self.shadings.first_source().descriptors];
         let mut best = f64::INFINITY;
         for _ in 0..5 {
             self.commands.run(|record| {
@@ -613,76 +491,21 @@ impl Renderer {
         Ok(best)
     }
 
-    /// Draws one sample of `view` at the pixel centres, displays it without tone mapping and reads the picture back.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn paint(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<Picture> {
-        self.draw(view, exposure, background)?;
-        self.picture()
-    }
-
-    /// Reads back the last picture at the size of the target. An abandoned picture has no radiance and the former
-    /// display.
-    ///
-    /// # Errors
-    /// Fails if the device is lost.
-    pub fn picture(&self) -> Result<Picture> {
-        let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
-        let radiance = match sum.filter(|_| self.shows == Content::Mean) {
-            Some((accumulation, summed)) => {
-                let mut sum = self.read(&accumulation.sum, PictureArea::All)?;
-                let samples = summed.samples as f32;
-                sum.iter_mut().flatten().for_each(|x| *x /= samples);
-                sum
-            }
-            None if self.shows == Content::PictureArea => {
-                let [width, height] = self.target.size();
-                vec![[0.0; 4]; width as usize * height as usize]
-            }
-            None => self.read(&self.target.radiance, PictureArea::All)?,
-        };
-        let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
-        let view = match self.shows {
-            Content::Sample => self.image_input.as_ref().map(|found| &found.view),
-            Content::Mean => self.summed.as_ref().map(|summed| &summed.view),
-            Content::Nothing | Content::PictureArea => None,
-        };
-        Ok(Picture {
-            size: self.target.size(),
-            radiance,
-            display: bytemuck::pod_collect_to_vec(&display),
-            surrounded: view.is_some_and(|view| view.background().is_some()),
-        })
-    }
-
     /// Writes the `Frame` block of `view` for a `pass` in pictures of `size` pixels.
     fn write(&mut self, view: &View, size: [u32; 2], pass: &LightPass) -> Result<()> {
         let unit = self.bind_environment(view)?;
         let mut block = view.block(size, pass);
         block.surroundings[2] *= unit;
-        let first = self.shadings.iter().filter(|shading| shading.is_first);
-        for (object, shading) in self.objects.iter_mut().zip(first) {
+        for (object, shading) in self.objects.iter_mut().zip(self.shadings.defaults()) {
             let own = object.block(block, shading.specular_spread.unwrap_or_default());
             object.frame.write(&own)?;
         }
         if let Some(shadow_pass) = &mut self.shadow_pass {
-            shadow_pass.select(&self.device, &self.objects, pass.light, block.shadow_from_world)?;
+            let maps = block.lights[..pass.lights].iter().map(|light| light.shadow_from_world).collect();
+            shadow_pass.select(&self.device, &self.objects, view.shadow_sphere(size).side(), maps)?;
         }
-        self.prepare_shading(view, pass)?;
+        self.shadings.prepare(&self.device, &self.objects, self.gbuffer.settings, (view, pass))?;
         self.block_input = Some(PassInput { view: view.clone(), pass: *pass, size });
-        Ok(())
-    }
-
-    /// Makes the pipelines of the shadings under the light of `pass`, unless they are there already.
-    fn prepare_shading(&mut self, view: &View, pass: &LightPass) -> Result<()> {
-        let (kind, illuminant) = (self.kind(view, pass), view.illuminant(pass.light));
-        let used: Vec<bool> =
-            self.shadings.iter().map(|own| shades(own, &self.shadings, illuminant)).collect();
-        for (own, _) in self.shadings.iter_mut().zip(used).filter(|(_, used)| *used) {
-            let frame = &self.objects[own.object].frame.descriptors;
-            own.pass.prepare(&self.device, kind, frame, &own.source, self.gbuffer.settings)?;
-        }
         Ok(())
     }
 
@@ -697,30 +520,6 @@ impl Renderer {
             Some(PassInput { view, pass, size }) => self.write(&view, size, &pass),
             None => Ok(()),
         }
-    }
-}
-
-/// Returns the draw calls of a `pass` of `view`, whose light is of this `kind`, on the `objects` by `shadings`.
-fn shaded<'a>(
-    shadings: &'a [ObjectShading],
-    objects: &'a [DeviceObject],
-    view: &View,
-    pass: &LightPass,
-    kind: LightKind,
-) -> Vec<ShadedObject<'a>> {
-    let lit = shadings.iter().filter(|own| shades(own, shadings, view.illuminant(pass.light)));
-    lit.map(|own| own.of(objects, kind, pass.is_first)).collect()
-}
-
-/// Returns true if `own`, one of `shadings`, shades its object under a light of this `illuminant`: it has the same
-/// illuminant, or it is the object's default and no shading of the object matches.
-fn shades(own: &ObjectShading, shadings: &[ObjectShading], illuminant: Option<&Illuminant>) -> bool {
-    let mut of_object = shadings.iter().filter(|other| other.object == own.object);
-    match illuminant {
-        Some(illuminant) if of_object.any(|other| other.illuminant == *illuminant) => {
-            *illuminant == own.illuminant
-        }
-        _ => own.is_first,
     }
 }
 

@@ -1,63 +1,109 @@
 //! Depth maps of lights: their side, and the matrices from the world to their clip space.
 
+use crate::scene::Incident;
 use glam::{DVec3, Mat4, Vec3, Vec4};
 
-/// Returns the side of the depth maps for a picture of `size` pixels \[texels\]: about four texels per pixel if the
-/// mesh fills the picture. With half the side, twice as many pixels at a shadow's edge are on the wrong side of it.
-pub fn side(size: [u32; 2]) -> u32 {
-    (4 * size[0].max(size[1])).clamp(256, 2048)
+/// Margin around the sphere, so that nothing is cut off at the edge of the map.
+const ROOM: f32 = 1.02;
+/// Texels across a pixel at the centre of the scene, if the limits of the side allow. With half as many, twice as many
+/// pixels at a shadow's edge are on the wrong side of it.
+const TEXELS_PER_PIXEL: f32 = 6.0;
+/// Smallest side of a map \[texels\].
+const SMALLEST: f32 = 256.0;
+/// Largest side of a map \[texels\]: on a software device, clearing a larger one takes longer than drawing the mesh.
+const LARGEST: f32 = 2048.0;
+/// Sides per doubling, so that a camera that comes closer rarely needs new maps.
+const PER_OCTAVE: f32 = 4.0;
+
+/// Bounding sphere of the scene, which depth maps cover, in pictures of one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowSphere {
+    /// Centre in the world.
+    pub centre: Vec3,
+    /// Radius.
+    pub radius: f32,
+    /// Width of a pixel at the centre.
+    pub pixel: f32,
 }
 
-/// Returns the matrix from the world to the clip space of the depth map of a light in this `direction`, for a picture
-/// of `size` pixels. The map covers a sphere of `radius` around `centre`. `jitter` \[texels\] shifts the map against
-/// the mesh, so that its texels blur over many samples.
-pub fn clip_from_world(
-    direction: DVec3,
-    centre: Vec3,
-    radius: f32,
-    size: [u32; 2],
-    jitter: [f64; 2],
-) -> Mat4 {
-    /// Margin around the sphere, so that nothing is cut off at the edge of the map.
-    const ROOM: f32 = 1.02;
-    let toward = direction.as_vec3();
-    let (x, y) = toward.any_orthonormal_pair();
-    let scale = 1.0 / (ROOM * radius.max(f32::MIN_POSITIVE));
-    let moved = |axis: usize| (2.0 * jitter[axis] / f64::from(side(size))) as f32;
-    // Depth grows from 0, nearest to the light, to 1.
-    let rows = [
-        (x * scale).extend(moved(0) - scale * x.dot(centre)),
-        (y * scale).extend(moved(1) - scale * y.dot(centre)),
-        (toward * (-0.5 * scale)).extend(0.5 + 0.5 * scale * toward.dot(centre)),
-        Vec4::W,
-    ];
-    Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
-}
+impl ShadowSphere {
+    /// Returns the side of the depth maps \[texels\].
+    pub fn side(&self) -> u32 {
+        let texels = TEXELS_PER_PIXEL * self.diameter() / self.pixel.max(f32::MIN_POSITIVE);
+        let rounded = ((texels.log2() * PER_OCTAVE).ceil() / PER_OCTAVE).exp2();
+        rounded.clamp(SMALLEST, LARGEST).round() as u32
+    }
 
-/// Returns the matrix from the world to the clip space of the depth map of a lamp at `place`, aimed at the centre of a
-/// sphere of `radius` around `centre`. The map covers the sphere; if the lamp is inside or close to it, the map covers
-/// the directions within 75° of the centre. `size` and `jitter` are as for [`clip_from_world`].
-pub fn clip_from_lamp(place: Vec3, centre: Vec3, radius: f32, size: [u32; 2], jitter: [f64; 2]) -> Mat4 {
-    /// Margin around the sphere, so that nothing is cut off at the edge of the map.
-    const ROOM: f32 = 1.02;
-    /// Near plane of a lamp inside the sphere, as a fraction of the radius; nearer surfaces cast no shadow.
-    const NEAREST: f32 = 0.01;
-    let radius = ROOM * radius.max(f32::MIN_POSITIVE);
-    let distance = place.distance(centre);
-    let forward = (centre - place).try_normalize().unwrap_or(Vec3::NEG_Z);
-    let (x, y) = forward.any_orthonormal_pair();
-    let half = if distance > radius { (radius / distance).asin().min(WIDEST) } else { WIDEST };
-    let focal = 1.0 / half.tan();
-    let [near, far] = [(distance - radius).max(NEAREST * radius), distance + radius];
-    let depth = far / (far - near);
-    let row = |axis: Vec3, scale: f32, offset: f32| {
-        (axis * scale + forward * offset).extend(-(axis * scale + forward * offset).dot(place))
-    };
-    let moved = |axis: usize| (2.0 * jitter[axis] / f64::from(side(size))) as f32;
-    let mut third = row(forward, depth, 0.0);
-    third.w -= near * depth;
-    let rows = [row(x, focal, moved(0)), row(y, focal, moved(1)), third, row(forward, 1.0, 0.0)];
-    Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+    /// Returns the width of a map of parallel light.
+    fn diameter(&self) -> f32 {
+        2.0 * ROOM * self.radius.max(f32::MIN_POSITIVE)
+    }
+
+    /// Returns true if a pixel hides the penumbrae of the light with this sample for all of it: the penumbra of the
+    /// nearest point on the farthest, and a texel of the map, are together smaller than a pixel.
+    pub fn hides_extent_of(&self, whole: &Incident) -> bool {
+        /// Diameter of a disc over the standard deviation of its points along an axis.
+        const DIAMETER: f64 = 4.0;
+        let extent = DIAMETER * whole.variance.sqrt();
+        let angle = match whole.place {
+            None => extent,
+            Some(lamp) => {
+                let distance = lamp.point.distance(self.centre.as_dvec3()) - f64::from(self.radius);
+                if distance > 0.0 { extent / distance } else { f64::INFINITY }
+            }
+        };
+        let texel = self.diameter() / self.side() as f32;
+        angle * f64::from(self.diameter()) + f64::from(texel) < f64::from(self.pixel)
+    }
+
+    /// Returns the offset in clip space of a map that is shifted by `jitter` \[texels\] against the mesh, so that its
+    /// texels blur over many samples.
+    fn offset(&self, jitter: [f64; 2]) -> [f32; 2] {
+        jitter.map(|texels| (2.0 * texels / f64::from(self.side())) as f32)
+    }
+
+    /// Returns the matrix from the world to the clip space of the depth map of a light in this `direction`, shifted by
+    /// `jitter` \[texels\].
+    pub fn clip_from_world(&self, direction: DVec3, jitter: [f64; 2]) -> Mat4 {
+        let Self { centre, radius, .. } = *self;
+        let toward = direction.as_vec3();
+        let (x, y) = toward.any_orthonormal_pair();
+        let scale = 1.0 / (ROOM * radius.max(f32::MIN_POSITIVE));
+        let moved = self.offset(jitter);
+        // Depth grows from 0, nearest to the light, to 1.
+        let rows = [
+            (x * scale).extend(moved[0] - scale * x.dot(centre)),
+            (y * scale).extend(moved[1] - scale * y.dot(centre)),
+            (toward * (-0.5 * scale)).extend(0.5 + 0.5 * scale * toward.dot(centre)),
+            Vec4::W,
+        ];
+        Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+    }
+
+    /// Returns the matrix from the world to the clip space of the depth map of a lamp at `place`, aimed at the centre.
+    /// The map covers the sphere; if the lamp is inside or close to it, the map covers the directions within 75° of the
+    /// centre. `jitter` is as for [`Self::clip_from_world`].
+    pub fn clip_from_lamp(&self, place: Vec3, jitter: [f64; 2]) -> Mat4 {
+        /// Near plane of a lamp inside the sphere, as a fraction of the radius; nearer surfaces cast no shadow.
+        const NEAREST: f32 = 0.01;
+        let centre = self.centre;
+        let radius = ROOM * self.radius.max(f32::MIN_POSITIVE);
+        let distance = place.distance(centre);
+        let forward = (centre - place).try_normalize().unwrap_or(Vec3::NEG_Z);
+        let (x, y) = forward.any_orthonormal_pair();
+        let half = if distance > radius { (radius / distance).asin().min(WIDEST) } else { WIDEST };
+        let focal = 1.0 / half.tan();
+        let [near, far] = [(distance - radius).max(NEAREST * radius), distance + radius];
+        let depth = far / (far - near);
+        let row = |axis: Vec3, scale: f32, offset: f32| {
+            (axis * scale + forward * offset).extend(-(axis * scale + forward * offset).dot(place))
+        };
+        let moved = self.offset(jitter);
+        let mut third = row(forward, depth, 0.0);
+        third.w -= near * depth;
+        let rows = [row(x, focal, moved[0]), row(y, focal, moved[1]), third, row(forward, 1.0, 0.0)];
+        Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+    }
 }
 
 /// Largest half-angle of the depth map of a lamp \[radians\].
@@ -66,16 +112,19 @@ const WIDEST: f32 = 75.0 * std::f32::consts::PI / 180.0;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Light;
+    use crate::scene::Room;
+
+    const SPHERE: ShadowSphere = ShadowSphere { centre: Vec3::new(3.0, -2.0, 1.0), radius: 2.5, pixel: 0.01 };
 
     #[test]
     fn a_map_holds_the_sphere_and_what_is_nearer_to_the_light_has_less_depth() {
-        let (direction, centre, radius) = (DVec3::new(0.6, 0.0, 0.8), Vec3::new(3.0, -2.0, 1.0), 2.5);
-        let size = [640, 480];
+        let (direction, ShadowSphere { centre, radius, .. }) = (DVec3::new(0.6, 0.0, 0.8), SPHERE);
         let toward = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::new(-0.6, 0.0, -0.8)];
         let depth = |clip: Mat4, p: Vec3| clip.project_point3(p).z;
-        let far = clip_from_world(direction, centre, radius, size, [0.0; 2]);
+        let far = SPHERE.clip_from_world(direction, [0.0; 2]);
         let lamp = centre + direction.as_vec3() * 6.0;
-        let near = clip_from_lamp(lamp, centre, radius, size, [0.0; 2]);
+        let near = SPHERE.clip_from_lamp(lamp, [0.0; 2]);
         for clip in [far, near] {
             for toward in toward {
                 let place = clip.project_point3(centre + toward * radius);
@@ -89,9 +138,35 @@ mod tests {
         let reach = (near * lamp.extend(1.0)).z;
         let at = |distance: f32| depth(near, lamp - direction.as_vec3() * distance);
         assert!((at(4.0) - at(8.0) - reach * (1.0 / 4.0 - 1.0 / 8.0)).abs() < 1e-5);
-        let moved = clip_from_lamp(lamp, centre, radius, size, [1.0, 0.0]).project_point3(centre);
-        assert!((moved.x * side(size) as f32 / 2.0 - 1.0).abs() < 1e-3);
-        let moved = clip_from_world(direction, centre, radius, size, [1.0, 0.0]).project_point3(centre);
-        assert!((moved.x * side(size) as f32 / 2.0 - 1.0).abs() < 1e-3);
+        let side = SPHERE.side() as f32;
+        let moved = SPHERE.clip_from_lamp(lamp, [1.0, 0.0]).project_point3(centre);
+        assert!((moved.x * side / 2.0 - 1.0).abs() < 1e-3);
+        let moved = SPHERE.clip_from_world(direction, [1.0, 0.0]).project_point3(centre);
+        assert!((moved.x * side / 2.0 - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_side_follows_from_the_pixel_within_its_limits_and_seldom_changes() {
+        let side = |pixel: f32| ShadowSphere { pixel, ..SPHERE }.side();
+        assert_eq!((side(1e-9), side(1e3)), (2048, 256));
+        for pixel in [0.017f32, 0.03, 0.05, 0.1] {
+            let texels = side(pixel) as f32 * pixel / SPHERE.diameter();
+            assert!((6.0..6.0 * 1.2).contains(&texels), "{texels} texels across a pixel");
+        }
+        let mut sides: Vec<u32> = (0..1000).map(|i| side(0.01 * 1.002f32.powi(i))).collect();
+        sides.dedup();
+        assert!(sides.len() < 15, "{sides:?}");
+    }
+
+    #[test]
+    fn pixels_hide_points_and_small_discs_but_not_a_sun_that_they_resolve() {
+        let room = Room { centre: SPHERE.centre.as_dvec3(), unit: 1.0 };
+        let hides = |light: &str, pixel: f32| {
+            let light = Light::parse(light).unwrap();
+            ShadowSphere { pixel, ..SPHERE }.hides_extent_of(&light.emitter.incident([0.5; 2], 1, &room))
+        };
+        // The sun's penumbra across the whole sphere is 0.0093 · 5.1 = 0.047 wide.
+        assert!(hides("30,90", 0.01) && hides("sun:30,90", 0.06));
+        assert!(!hides("sun:30,90", 0.04) && !hides("disc:20deg:30,90", 0.1));
     }
 }

@@ -2,9 +2,11 @@
 
 mod brdf;
 mod picture;
+mod pipelines;
 
 pub use brdf::for_each_window;
 pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, picture};
+pub use pipelines::{keep_pipelines, load_pipelines};
 
 use crate::budget::{ErrorBudget, Purpose};
 use crate::cache::{Kept, Key, Store};

@@ -205,7 +205,7 @@ impl<'a> PreparedScene<'a> {
     /// # Errors
     /// Fails if the device is lost or out of memory, or with the error of `progress`.
     pub fn draw(&mut self, view: &View, progress: &mut dyn FnMut(u32) -> Result<()>) -> Result<Picture> {
-        self.renderer.paint_samples(view, &self.settings.sampling, self.shown, progress)
+        self.renderer.render(view, &self.settings.sampling, self.shown, progress)
     }
 
     /// Sets the display settings of the following pictures, in place of the scene's.
@@ -220,7 +220,7 @@ impl<'a> PreparedScene<'a> {
     /// Fails if the device is lost.
     pub fn meter(&mut self, view: &View) -> Result<Option<f64>> {
         self.renderer.draw_sample(view, &Sampling::ONE.sample(0), self.shown)?;
-        Ok(exposure::automatic(&self.renderer.picture()?.radiance))
+        Ok(exposure::automatic(&self.renderer.read_back()?.radiance))
     }
 
     /// Returns the renderer.

@@ -49,7 +49,7 @@ pub fn thinned(directions: &[Directions], pixels: usize) -> Vec<Directions> {
 /// # Errors
 /// Fails if the device is lost.
 pub fn samples(renderer: &mut Renderer, view: &View) -> Result<ProbeSamples> {
-    let radiance = renderer.picture()?.radiance;
+    let radiance = renderer.read_back()?.radiance;
     let directions = directions(renderer, view)?;
     let mut pixels = covered(&directions);
     // The settings apply to the first object alone.

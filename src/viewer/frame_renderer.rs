@@ -14,7 +14,7 @@ use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::object::objects;
-use crate::render::renderer::{Renderer, RendererSettings};
+use crate::render::renderer::{PictureRequest, Renderer, RendererSettings};
 use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::render::target;
@@ -78,11 +78,12 @@ impl Slot {
     ) -> Result<Option<u32>> {
         let FrameRequest { view, sampling, size, .. } = request;
         let shown = self.displayed.as_ref().map_or(request.shown, |displayed| displayed.shown);
-        let added = self.renderer.add_samples(view, sampling, shown, *size, go_on)?;
+        let added =
+            self.renderer.draw(&PictureRequest { view, sampling: *sampling, size: *size, shown }, go_on)?;
         if added.is_some() {
             self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
         }
-        Ok(added)
+        Ok(added.map(|progress| progress.samples))
     }
 
     /// Shades with `prepared` from now on. The textures on the device stay; only the parts that depend on other
@@ -90,7 +91,7 @@ impl Slot {
     fn take_over(&mut self, prepared: &Arc<Prepared>) -> Result<()> {
         if self.prepared.number != prepared.number {
             self.displayed = None;
-            self.renderer.shade_objects_by(prepared.of_objects(self.loaded.textures.len()))?;
+            self.renderer.set_sources(prepared.of_objects(self.loaded.textures.len()))?;
             self.prepared = prepared.clone();
         }
         Ok(())
@@ -307,7 +308,7 @@ impl FrameRenderer {
         let Compare::Difference(metric) = request.compare else {
             return Ok(Some((other.renderer.target().display.clone(), None)));
         };
-        let [judged, judge] = [own.renderer.picture()?, other.renderer.picture()?];
+        let [judged, judge] = [own.renderer.read_back()?, other.renderer.read_back()?];
         let map = difference::map(metric, &judged, &judge, request.shown, size);
         let (format, data) = (target::DISPLAY, bytemuck::cast_slice(&map.pixels));
         let size = size.map(|n| n as usize);
@@ -421,7 +422,7 @@ impl FrameRenderer {
                 };
                 let scalar_theory =
                     own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
-                Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.picture()?), scalar_theory))))
+                Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.read_back()?), scalar_theory))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {
                 samples: error_probe::samples(&mut slot.renderer, &request.view)?,
@@ -464,7 +465,7 @@ fn paint(
         if displayed.shown == shown {
             return Ok(Some(FrameTime::default()));
         }
-        if slot.renderer.display_again(size, shown)? {
+        if slot.renderer.display(size, shown)? {
             slot.displayed = Some(wanted);
             return Ok(Some(FrameTime::default()));
         }
@@ -475,10 +476,10 @@ fn paint(
     }
     slot.displayed = None;
     let start = Instant::now();
-    let gpu = slot.renderer.draw_while(view, shown, size, go_on)?;
-    Ok(gpu.map(|gpu| {
+    let drawn = slot.renderer.draw(&PictureRequest::one_sample(view, size, shown), go_on)?;
+    Ok(drawn.map(|drawn| {
         slot.displayed = Some(wanted);
-        FrameTime { gpu, wall: start.elapsed().as_secs_f64() * 1e3 }
+        FrameTime { gpu: drawn.milliseconds, wall: start.elapsed().as_secs_f64() * 1e3 }
     }))
 }
 
@@ -486,13 +487,13 @@ fn paint(
 /// `shown`; `None` if nothing is lit.
 fn expose(slot: &mut Option<Slot>, shown: Shown, size: [u32; 2]) -> Result<Option<f64>> {
     let Some(slot) = slot else { return Ok(None) };
-    let picture = slot.renderer.picture()?;
+    let picture = slot.renderer.read_back()?;
     let rows = picture.radiance.chunks(picture.size[0].max(1) as usize).take(size[1] as usize);
     let radiance: Vec<_> = rows.flat_map(|row| row.iter().take(size[0] as usize)).copied().collect();
     let stops = exposure::automatic(&radiance);
     if let Some(exposure) = stops {
         let shown = Shown { exposure, ..shown };
-        slot.renderer.display_again(size, shown)?;
+        slot.renderer.display(size, shown)?;
         if let Some(displayed) = &mut slot.displayed {
             displayed.shown = shown;
         }

@@ -85,6 +85,11 @@ impl Presenter {
         })
     }
 
+    /// Returns the device.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
     /// Recreates the swapchain before the next frame, because the window was resized.
     pub fn resized(&mut self) {
         self.outdated = true;

@@ -23,6 +23,7 @@ use super::{layout, style};
 use crate::error::{Error, Remedy, Result};
 use crate::render::frame::View;
 use crate::render::window_pass::PicturePlace;
+use crate::setup;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -188,6 +189,7 @@ impl ViewerWindow {
         *instance = Some(opened.clone());
         let surface = Arc::new(Surface::new(&opened, &window)?);
         let device = Device::open_for(&surface, &start.device)?;
+        setup::load_pipelines(&device);
         let presenter = Presenter::new(&device, &surface, &window, start.present)?;
         let threads = Threads::start(&device, &proxy)?;
         let loaded = Arc::new(LoadedScene::of(start.plain.clone())?);
@@ -255,11 +257,12 @@ impl ViewerWindow {
         self.model.actions.close
     }
 
-    /// Keeps the displayed settings for the next window, if anything was set in this one.
+    /// Keeps the compiled pipelines, and the displayed settings for the next window if anything was set in this one.
     ///
     /// # Errors
     /// Fails if the settings cannot be written.
     pub fn keep(&self) -> Result<()> {
+        setup::keep_pipelines(self.presenter.device());
         if self.model.is_untouched() {
             return Ok(());
         }

@@ -109,6 +109,7 @@ impl Commands {
             .wait_semaphore_infos(&waits)
             .signal_semaphore_infos(&signals);
         self.device.submit(work, self.fence)?;
+        self.device.events().note(|| RecordedEvent::Submitted(self.fence));
         self.pending = true;
         Ok(())
     }
@@ -127,7 +128,7 @@ impl Commands {
             match device.wait_for_fences(&[self.fence], true, PATIENCE) {
                 Ok(()) => {
                     self.pending = false;
-                    self.device.events().note(|| RecordedEvent::Waited);
+                    self.device.events().note(|| RecordedEvent::Waited(self.fence));
                     device.reset_fences(&[self.fence]).map_err(|c| failure("reset a fence", c))
                 }
                 Err(vk::Result::TIMEOUT) => Err(Error::failed(
@@ -328,7 +329,12 @@ impl Recorder<'_> {
         depth: Option<&Image>,
         draw: impl FnOnce(&Self),
     ) {
-        self.rendering(&cleared(colors), depth.map(|image| (image, vk::AttachmentLoadOp::CLEAR)), draw);
+        self.rendering(&cleared(colors), depth.map(|image| (image, 0, vk::AttachmentLoadOp::CLEAR)), draw);
+    }
+
+    /// Draws into layer number `layer` of the array `depth`, which is cleared first.
+    pub fn render_layer(&self, depth: &Image, layer: u32, draw: impl FnOnce(&Self)) {
+        self.rendering(&[], Some((depth, layer, vk::AttachmentLoadOp::CLEAR)), draw);
     }
 
     /// Draws as [`Recorder::render`], with a `depth` that was drawn before.
@@ -338,35 +344,36 @@ impl Recorder<'_> {
         depth: &Image,
         draw: impl FnOnce(&Self),
     ) {
-        self.rendering(&cleared(colors), Some((depth, vk::AttachmentLoadOp::LOAD)), draw);
+        self.rendering(&cleared(colors), Some((depth, 0, vk::AttachmentLoadOp::LOAD)), draw);
     }
 
     /// Draws into `color`, whose other pixels keep their contents, with a `depth` that was drawn before, or without
     /// depth.
     pub fn render_onto(&self, color: &Image, depth: Option<&Image>, draw: impl FnOnce(&Self)) {
         let load = vk::AttachmentLoadOp::LOAD;
-        self.rendering(&[(color, load, [0.0; 4])], depth.map(|image| (image, load)), draw);
+        self.rendering(&[(color, load, [0.0; 4])], depth.map(|image| (image, 0, load)), draw);
     }
 
     fn rendering(
         &self,
         colors: &[(&Image, vk::AttachmentLoadOp, [f32; 4])],
-        depth: Option<(&Image, vk::AttachmentLoadOp)>,
+        depth: Option<(&Image, u32, vk::AttachmentLoadOp)>,
         draw: impl FnOnce(&Self),
     ) {
         let Some(size) = colors.first().map(|c| c.0).or(depth.map(|d| d.0)).map(Image::size) else { return };
         let (size, [columns, rows]) = self.part.clone().unwrap_or((size, size.map(|n| 0..n)));
-        let drawn =
-            TexelArea { layer: [0; 2], from: [columns.start, rows.start], to: [columns.end, rows.end] };
+        let (from, to) = ([columns.start, rows.start], [columns.end, rows.end]);
+        let drawn = TexelArea { layer: [0; 2], from, to };
         for (image, ..) in colors {
             self.note_use(image.resource(), Access::ColorAttachment, Some(drawn));
         }
-        if let Some((image, _)) = depth {
+        if let Some((image, layer, _)) = depth {
+            let drawn = TexelArea { layer: [layer, 0], from, to };
             self.note_use(image.resource(), Access::DepthAttachment, Some(drawn));
         }
-        let attachment = |image: &Image, access: Access, load, clear: vk::ClearValue| {
+        let attachment = |view: vk::ImageView, access: Access, load, clear: vk::ClearValue| {
             vk::RenderingAttachmentInfo::default()
-                .image_view(image.view())
+                .image_view(view)
                 .image_layout(access.row().2)
                 .load_op(load)
                 .store_op(vk::AttachmentStoreOp::STORE)
@@ -376,12 +383,14 @@ impl Recorder<'_> {
             .iter()
             .map(|&(image, load, float32)| {
                 let clear = vk::ClearValue { color: vk::ClearColorValue { float32 } };
-                attachment(image, Access::ColorAttachment, load, clear)
+                attachment(image.view(), Access::ColorAttachment, load, clear)
             })
             .collect();
         let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: FAR, stencil: 0 } };
-        let with_stencil = depth.is_some_and(|(image, _)| image.has_stencil());
-        let depth = depth.map(|(image, load)| attachment(image, Access::DepthAttachment, load, far));
+        let with_stencil = depth.is_some_and(|(image, ..)| image.has_stencil());
+        let depth = depth.map(|(image, layer, load)| {
+            attachment(image.layer_view(layer), Access::DepthAttachment, load, far)
+        });
         let area = vk::Rect2D {
             offset: vk::Offset2D { x: columns.start as i32, y: rows.start as i32 },
             extent: vk::Extent2D { width: columns.end - columns.start, height: rows.end - rows.start },
@@ -412,8 +421,8 @@ impl Recorder<'_> {
         self.events.note(|| RecordedEvent::Ended);
     }
 
-    /// Draws indexed triangles.
-    pub fn draw_indexed(&self, vertices: &Buffer, indices: &Buffer, count: u32) {
+    /// Draws indexed triangles as instance number `instance`.
+    pub fn draw_indexed(&self, vertices: &Buffer, indices: &Buffer, count: u32, instance: u32) {
         self.events.note(|| RecordedEvent::Work);
         self.note_use(vertices.resource(), Access::VertexRead, None);
         self.note_use(indices.resource(), Access::VertexRead, None);
@@ -421,7 +430,7 @@ impl Recorder<'_> {
         unsafe {
             self.device.cmd_bind_vertex_buffers(self.raw, 0, &[vertices.raw()], &[0]);
             self.device.cmd_bind_index_buffer(self.raw, indices.raw(), 0, vk::IndexType::UINT32);
-            self.device.cmd_draw_indexed(self.raw, count, 1, 0, 0, 0);
+            self.device.cmd_draw_indexed(self.raw, count, 1, 0, 0, instance);
         }
     }
 

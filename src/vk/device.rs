@@ -31,6 +31,7 @@ pub struct Device {
     events: EventLog,
     names: Option<ext::debug_utils::Device>,
     raw: ash::Device,
+    pipelines: vk::PipelineCache,
     queue: Mutex<vk::Queue>,
     queue_family: u32,
     candidate: Candidate,
@@ -108,6 +109,7 @@ impl Device {
             events: EventLog::default(),
             names,
             raw,
+            pipelines: vk::PipelineCache::null(),
             queue: Mutex::new(queue),
             queue_family,
             candidate,
@@ -115,13 +117,23 @@ impl Device {
             instance,
         };
         device.allocator = Mutex::new(Some(allocator.map_err(|e| memory_failure("device", &e))?));
+        // SAFETY: the device is live; its drop destroys the cache.
+        device.pipelines =
+            unsafe { device.raw.create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None) }
+                .map_err(|c| failure("make a pipeline cache", c))?;
         device.name(queue, "queue");
+        device.name(device.pipelines, "pipelines");
         Ok(Arc::new(device))
     }
 
     /// Returns the ash device.
     pub fn raw(&self) -> &ash::Device {
         &self.raw
+    }
+
+    /// Returns the cache that pipelines are made with.
+    pub(super) fn pipelines(&self) -> vk::PipelineCache {
+        self.pipelines
     }
 
     /// Returns the log of recorded events, for tests.
@@ -266,6 +278,7 @@ impl Drop for Device {
             if let Ok(mut allocator) = self.allocator.lock() {
                 allocator.take();
             }
+            self.raw.destroy_pipeline_cache(self.pipelines, None);
             self.raw.destroy_device(None);
         }
     }

@@ -72,8 +72,10 @@ pub enum RecordedEvent {
     Barrier(Scopes),
     /// Barrier on an image, between two layouts.
     ImageBarrier(Resource, Scopes, [ImageLayout; 2]),
-    /// Wait of the host for all work so far.
-    Waited,
+    /// Submission of all work recorded so far, with this fence.
+    Submitted(vk::Fence),
+    /// Wait of the host for the last submission with this fence, and thus for all earlier ones.
+    Waited(vk::Fence),
 }
 
 impl RecordedEvent {
@@ -136,6 +138,8 @@ pub fn check(events: &[RecordedEvent]) -> Vec<String> {
 struct Past {
     what: String,
     part: Option<TexelArea>,
+    /// Number of submissions before it.
+    submission: usize,
     stages: S,
     writes: A,
     is_write: bool,
@@ -180,6 +184,9 @@ struct Replay {
     bound: Vec<(Resource, Access)>,
     /// Attachments of the open pass.
     attachments: Vec<Resource>,
+    /// Submissions so far, and the number of the last one of each fence.
+    submissions: usize,
+    fences: HashMap<vk::Fence, usize>,
     findings: Vec<String>,
 }
 
@@ -213,12 +220,21 @@ impl Replay {
             RecordedEvent::ImageBarrier(image, scopes, layouts) => {
                 self.image_barrier(*image, scopes, *layouts)
             }
-            RecordedEvent::Waited => {
-                for state in self.states.values_mut() {
-                    state.past.retain(|past| past.is_write); // reads are complete
-                    state.past.iter_mut().for_each(|past| (past.waited, past.available) = (true, true));
-                }
+            RecordedEvent::Submitted(fence) => {
+                self.fences.insert(*fence, self.submissions);
+                self.submissions += 1;
             }
+            RecordedEvent::Waited(fence) => self.waited(*fence),
+        }
+    }
+
+    fn waited(&mut self, fence: vk::Fence) {
+        // A submission before the log began contains nothing of it.
+        let Some(&last) = self.fences.get(&fence) else { return };
+        for state in self.states.values_mut() {
+            state.past.retain(|past| past.is_write || past.submission > last); // reads are complete
+            let done = state.past.iter_mut().filter(|past| past.submission <= last);
+            done.for_each(|past| (past.waited, past.available) = (true, true));
         }
     }
 
@@ -242,6 +258,7 @@ impl Replay {
         state.past = vec![Past {
             what: format!("the change of its layout to {new:?}"),
             part: None,
+            submission: self.submissions,
             stages: scopes.destination.0,
             writes: A::NONE,
             is_write: true,
@@ -292,6 +309,7 @@ impl Replay {
             state.past.push(Past {
                 what,
                 part,
+                submission: self.submissions,
                 stages,
                 writes,
                 is_write,

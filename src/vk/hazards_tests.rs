@@ -18,6 +18,8 @@ fn used(resource: Resource, access: Access) -> RecordedEvent {
     RecordedEvent::Used(resource, access, None)
 }
 
+const FENCE: vk::Fence = vk::Fence::null();
+
 fn memory(from: Access, to: Access) -> RecordedEvent {
     RecordedEvent::barrier(&from.memory_barrier(to))
 }
@@ -38,7 +40,8 @@ fn evaluation() -> Vec<RecordedEvent> {
             RecordedEvent::Bound(vec![(HOST, ShaderRead), (BUFFER, ComputeWrite)]),
             RecordedEvent::Work,
             memory(ComputeWrite, HostRead),
-            RecordedEvent::Waited,
+            RecordedEvent::Submitted(FENCE),
+            RecordedEvent::Waited(FENCE),
             used(BUFFER, HostRead),
         ]
     };
@@ -53,7 +56,8 @@ fn upload() -> Vec<RecordedEvent> {
         used(BUFFER, TransferWrite),
         memory(TransferWrite, ShaderRead),
         memory(TransferWrite, VertexRead),
-        RecordedEvent::Waited,
+        RecordedEvent::Submitted(FENCE),
+        RecordedEvent::Waited(FENCE),
         used(BUFFER, VertexRead),
         RecordedEvent::Bound(vec![(BUFFER, ShaderRead)]),
         RecordedEvent::Work,
@@ -79,7 +83,8 @@ fn picture() -> Vec<RecordedEvent> {
         used(IMAGE, TransferRead),
         used(HOST, TransferWrite),
         memory(TransferWrite, HostRead),
-        RecordedEvent::Waited,
+        RecordedEvent::Submitted(FENCE),
+        RecordedEvent::Waited(FENCE),
         used(HOST, HostRead),
     ]
 }
@@ -202,7 +207,7 @@ fn a_read_is_waited_for_before_the_next_write() {
     assert!(with(&[]) > 0);
     assert!(with(&[memory(ShaderRead, TransferWrite)]) > 0, "vertices are read, too");
     assert_eq!(with(&[memory(ShaderRead, TransferWrite), memory(VertexRead, TransferWrite)]), 0);
-    assert_eq!(with(&[RecordedEvent::Waited]), 0);
+    assert_eq!(with(&[RecordedEvent::Submitted(FENCE), RecordedEvent::Waited(FENCE)]), 0);
 }
 
 #[test]
@@ -210,7 +215,24 @@ fn a_log_keeps_nothing_before_it_is_started() {
     let log = EventLog::default();
     log.note(|| unreachable!("not even made"));
     log.start();
-    log.note(|| RecordedEvent::Waited);
+    log.note(|| RecordedEvent::Ended);
     assert_eq!(log.take().len(), 1);
     assert!(log.take().is_empty());
+}
+
+#[test]
+fn a_fence_waits_for_its_submission_and_earlier_ones_but_not_for_later_ones() {
+    use ash::vk::Handle;
+    let [one, other] = [1, 2].map(vk::Fence::from_raw);
+    let read = || [RecordedEvent::Bound(vec![(BUFFER, ShaderRead)]), RecordedEvent::Work];
+    let events = |waited: vk::Fence| {
+        let mut events = vec![made(BUFFER)];
+        events.extend([RecordedEvent::Submitted(one)]);
+        events.extend(read());
+        events.extend([RecordedEvent::Submitted(other), RecordedEvent::Waited(waited)]);
+        events.push(used(BUFFER, TransferWrite));
+        events
+    };
+    assert_eq!(check(&events(other)).len(), 0);
+    assert_eq!(check(&events(one)).len(), 1, "the read is in the later submission");
 }

@@ -1,4 +1,4 @@
-//! Image with its memory and one view of all of it, mip levels included.
+//! Image with its memory, a view of all of it, mip levels included, and views of layers to draw into.
 
 use super::device::Device;
 use super::failure;
@@ -29,6 +29,8 @@ pub struct Description<'a> {
 /// Device-local 2D image or array of images, with a view.
 pub struct Image {
     view: vk::ImageView,
+    // One for each layer of an array of attachments.
+    layer_views: Vec<vk::ImageView>,
     raw: vk::Image,
     allocation: Option<Allocation>,
     format: vk::Format,
@@ -54,6 +56,7 @@ impl Image {
     ) -> Result<Self> {
         let mut image = Self {
             view: vk::ImageView::null(),
+            layer_views: Vec::new(),
             raw,
             allocation: None,
             format,
@@ -67,19 +70,30 @@ impl Image {
         Ok(image)
     }
 
-    /// Makes the view of all layers, and sets debug names.
-    fn look(&mut self, name: &str, kind: vk::ImageViewType) -> Result<()> {
+    /// Makes a view of a part of the bound image.
+    fn view_of(
+        &self,
+        name: &str,
+        kind: vk::ImageViewType,
+        range: vk::ImageSubresourceRange,
+    ) -> Result<vk::ImageView> {
         let view = vk::ImageViewCreateInfo::default()
             .image(self.raw)
             .view_type(kind)
             .format(self.format)
-            .subresource_range(self.range());
-        // SAFETY: the image is bound, and the view covers just its layers.
-        self.view = unsafe { self.device.raw().create_image_view(&view, None) }
+            .subresource_range(range);
+        // SAFETY: the image is bound, and the view covers layers that it has.
+        let view = unsafe { self.device.raw().create_image_view(&view, None) }
             .map_err(|c| failure(&format!("make a view of the {name}"), c))?;
+        self.device.name(view, &format!("{name} view"));
+        Ok(view)
+    }
+
+    /// Makes the view of all layers, and sets debug names.
+    fn look(&mut self, name: &str, kind: vk::ImageViewType) -> Result<()> {
+        self.view = self.view_of(name, kind, self.range())?;
         self.device.name(self.raw, name);
         self.device.events().note(|| RecordedEvent::Made(self.resource(), name.to_owned()));
-        self.device.name(self.view, &format!("{name} view"));
         Ok(())
     }
 
@@ -128,6 +142,7 @@ impl Image {
         };
         let mut image = Self {
             view: vk::ImageView::null(),
+            layer_views: Vec::new(),
             raw,
             allocation: None,
             format,
@@ -144,6 +159,14 @@ impl Image {
         bound.map_err(|c| failure(&format!("bind the {name}"), c))?;
         image
             .look(name, if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D })?;
+        use vk::ImageUsageFlags as Usage;
+        if array && usage.intersects(Usage::COLOR_ATTACHMENT | Usage::DEPTH_STENCIL_ATTACHMENT) {
+            for layer in 0..layers {
+                let range = image.range().level_count(1).base_array_layer(layer).layer_count(1);
+                let view = image.view_of(name, vk::ImageViewType::TYPE_2D, range)?;
+                image.layer_views.push(view);
+            }
+        }
         Ok(image)
     }
 
@@ -185,6 +208,11 @@ impl Image {
         self.view
     }
 
+    /// Returns the view of a layer to draw into: of an array of attachments, or of an image of one layer.
+    pub fn layer_view(&self, layer: u32) -> vk::ImageView {
+        self.layer_views.get(layer as usize).copied().unwrap_or(self.view)
+    }
+
     /// Returns the format.
     pub fn format(&self) -> vk::Format {
         self.format
@@ -208,9 +236,10 @@ pub(super) fn has_stencil(format: vk::Format) -> bool {
 
 impl Drop for Image {
     fn drop(&mut self) {
-        // SAFETY: owners drop images only when no submitted work uses them; view, image, memory in that order. A null
+        // SAFETY: owners drop images only when no submitted work uses them; views, image, memory in that order. A null
         // view is allowed.
         unsafe {
+            self.layer_views.iter().for_each(|&view| self.device.raw().destroy_image_view(view, None));
             self.device.raw().destroy_image_view(self.view, None);
             if self.owned {
                 self.device.raw().destroy_image(self.raw, None);

@@ -14,6 +14,7 @@ pub mod image;
 pub mod instance;
 pub mod mask;
 pub mod pipeline;
+pub mod pipeline_cache;
 pub mod queries;
 pub mod sampler;
 pub mod selection;

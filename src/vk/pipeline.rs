@@ -204,7 +204,7 @@ impl Pipeline {
             .stage(module.stage(vk::ShaderStageFlags::COMPUTE, &constants))
             .layout(own.layout);
         // SAFETY: module and layout are live and agree with the shader's declarations.
-        own.raw = unsafe { device.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) }
+        own.raw = unsafe { device.raw().create_compute_pipelines(device.pipelines(), &[info], None) }
             .map_err(|(_, c)| failure(&format!("make the pipeline of {}", code.name), c))?[0];
         own.named(code.name);
         Ok(own)
@@ -319,7 +319,7 @@ impl Pipeline {
             .layout(own.layout)
             .push_next(&mut rendering);
         // SAFETY: modules, layout and every state structure are live through the call and agree with the shaders.
-        own.raw = unsafe { device.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) }
+        own.raw = unsafe { device.raw().create_graphics_pipelines(device.pipelines(), &[info], None) }
             .map_err(|(_, c)| failure(&format!("make the pipeline of {}", vertex.name), c))?[0];
         own.named(fragment.map_or(vertex.name, |code| code.name));
         Ok(own)

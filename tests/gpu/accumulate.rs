@@ -6,7 +6,7 @@ use diffract::optics::color::Tone;
 use diffract::render::footprints::{Distribution, median_pixel_area};
 use diffract::render::frame::{Shown, View};
 use diffract::render::reference_picture::displayed;
-use diffract::render::renderer::{Picture, Renderer};
+use diffract::render::renderer::{Picture, PictureRequest, Renderer};
 use diffract::render::sampling::{PixelWeights, Sample, Sampling};
 use diffract::scene::{Camera, Light, Scene};
 use diffract::surface::synth::SurfaceKind;
@@ -30,7 +30,7 @@ fn view(scene: &Scene) -> View {
 }
 
 fn all(renderer: &mut Renderer, view: &View, sampling: Sampling) -> Picture {
-    renderer.paint_samples(view, &sampling, SHOWN, &mut |_| Ok(())).unwrap()
+    renderer.render(view, &sampling, SHOWN, &mut |_| Ok(())).unwrap()
 }
 
 /// The largest relative difference of colours, and the largest difference of alpha.
@@ -60,12 +60,15 @@ fn a_sum_of_one_sample_is_the_single_sample_to_the_bit() {
     let view = view(&scene);
     with_device(|device| {
         let mut renderer = renderer(device, &scene);
-        let plain = renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+        let plain = renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let one = Sampling { count: 1, seed: 9 };
         assert!(all(&mut renderer, &view, one) == plain);
-        let added = renderer.add_samples(&view, &one, SHOWN, SIZE, &mut |_| true).unwrap().unwrap();
-        assert_eq!(added, 1);
-        assert!(renderer.picture().unwrap() == plain);
+        let added = renderer
+            .draw(&PictureRequest { view: &view, sampling: one, size: SIZE, shown: SHOWN }, &mut |_| true)
+            .unwrap()
+            .unwrap();
+        assert_eq!(added.samples, 1);
+        assert!(renderer.read_back().unwrap() == plain);
     });
 }
 
@@ -82,7 +85,7 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
         let mut sum = vec![DVec4::ZERO; mean.radiance.len()];
         for index in 0..8 {
             renderer.draw_sample(&view, &sampling.sample(index), SHOWN).unwrap();
-            let single = renderer.picture().unwrap().radiance;
+            let single = renderer.read_back().unwrap().radiance;
             assert!(difference(&single, &mean.radiance) > 1e-2, "sample {index} is not jittered");
             let weights = sampling.sample(index).weights();
             for (i, sum) in sum.iter_mut().enumerate() {
@@ -102,7 +105,7 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
         }
         // So it is by another tone.
         let neutral = Shown { tone: Tone::Neutral, ..SHOWN };
-        let shown = renderer.paint_samples(&view, &sampling, neutral, &mut |_| Ok(())).unwrap().display;
+        let shown = renderer.render(&view, &sampling, neutral, &mut |_| Ok(())).unwrap().display;
         for (code, expected) in shown.iter().zip(&displayed(&mean.radiance, neutral)) {
             assert!((0..4).all(|c| code[c].abs_diff(expected[c]) <= 1), "{code:?}, expected {expected:?}");
         }
@@ -123,21 +126,24 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
         let (mut fresh, mut renderer) = (renderer(device, &scene), renderer(device, &scene));
         let expected = [all(&mut fresh, &view, sampling), all(&mut fresh, &other, sampling)];
         let add = |renderer: &mut Renderer, view: &View, sampling: &Sampling, go_on: bool| {
-            renderer.add_samples(view, sampling, SHOWN, SIZE, &mut |_| go_on).unwrap()
+            renderer
+                .draw(&PictureRequest { view, sampling: *sampling, size: SIZE, shown: SHOWN }, &mut |_| go_on)
+                .unwrap()
+                .map(|progress| progress.samples)
         };
         assert_eq!(add(&mut renderer, &view, &sampling, true), Some(1));
         assert_eq!(add(&mut renderer, &view, &sampling, true), Some(2));
         assert_eq!(add(&mut renderer, &view, &sampling, false), None);
         // Neither another picture nor a look at directions disturbs the sum.
-        renderer.draw(&other, 0.0, DVec3::ZERO).unwrap();
+        renderer.draw_plain(&other, 0.0, DVec3::ZERO).unwrap();
         renderer.directions(&other, 0).unwrap();
         assert_eq!(add(&mut renderer, &view, &sampling, true), Some(3));
         assert_eq!(add(&mut renderer, &view, &sampling, true), Some(4));
-        assert!(renderer.picture().unwrap() == expected[0]);
+        assert!(renderer.read_back().unwrap() == expected[0]);
         assert_eq!(add(&mut renderer, &view, &sampling, true), Some(4), "there are no more");
-        assert!(renderer.picture().unwrap() == expected[0]);
-        assert!(renderer.display_again(SIZE, Shown { exposure: SHOWN.exposure + 1.0, ..SHOWN }).unwrap());
-        let brighter = renderer.picture().unwrap();
+        assert!(renderer.read_back().unwrap() == expected[0]);
+        assert!(renderer.display(SIZE, Shown { exposure: SHOWN.exposure + 1.0, ..SHOWN }).unwrap());
+        let brighter = renderer.read_back().unwrap();
         assert!(brighter.radiance == expected[0].radiance && brighter.display != expected[0].display);
 
         let seeded = Sampling { seed: 2, ..sampling };
@@ -147,7 +153,7 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
         for _ in 1..4 {
             add(&mut renderer, &other, &sampling, true);
         }
-        assert!(renderer.picture().unwrap() == expected[1]);
+        assert!(renderer.read_back().unwrap() == expected[1]);
         renderer.resize([24, 18]).unwrap();
         renderer.resize(SIZE).unwrap();
         assert_eq!(add(&mut renderer, &other, &sampling, true), Some(1), "another size keeps a sum");
@@ -160,10 +166,14 @@ fn sample_after_sample_the_device_holds_the_same() {
     let (view, sampling) = (view(&scene), Sampling { count: 64, seed: 1 });
     with_device(|device| {
         let mut renderer = renderer(device, &scene);
-        renderer.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
+        renderer
+            .draw(&PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN }, &mut |_| true)
+            .unwrap();
         let before = device.memory_in_use();
         for _ in 1..64 {
-            renderer.add_samples(&view, &sampling, SHOWN, SIZE, &mut |_| true).unwrap();
+            renderer
+                .draw(&PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN }, &mut |_| true)
+                .unwrap();
             assert_eq!(device.memory_in_use(), before);
         }
     });
@@ -243,10 +253,10 @@ fn footprints_are_the_differences_of_directions() {
             let scene = Scene::open(name).unwrap();
             let view = View::of(&scene, lights[..count].to_vec());
             let mut renderer = renderer(device, &scene);
-            let plain = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let plain = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             renderer.directions(&view, count - 1).unwrap();
             assert!(
-                renderer.paint(&view, 0.0, DVec3::ZERO).unwrap() == plain,
+                renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap() == plain,
                 "{name}: shading is disturbed"
             );
             let mut errors = Vec::new();

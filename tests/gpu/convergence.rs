@@ -56,14 +56,14 @@ fn many_samples_show_what_many_more_pixels_show() {
             footprints::sizes(device, &scene.main_object().mesh, views, fine, &Sampling::ONE).unwrap();
         let source = source(device, &field, &shading, Method::Table, sizes);
         let renderer = |size| crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
-        let exact = renderer(fine).paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+        let exact = renderer(fine).render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
         let exact = supersampled(&exact.radiance);
         let mut small = renderer(SIZE);
         let mut former = f64::INFINITY;
         // Of so many samples: what is measured, and a quarter on top. If samples counted for their own pixels alone, 64 would err by 0.109.
         for (count, allowed) in [(1, 0.67), (16, 0.145), (64, 0.066), (256, 0.028), (1024, 0.014)] {
             let sampling = Sampling { count, seed: 1 };
-            let picture = small.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+            let picture = small.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
             let found = colours(&picture.radiance, &exact);
             eprintln!("{count} samples against {FINER} x {FINER} pixels each: {found:.4}");
             assert!(found <= allowed, "{count} samples: {found}");

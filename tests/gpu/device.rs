@@ -41,3 +41,28 @@ fn validation_speaks_up_when_a_rule_is_broken() {
     let messages = instance.messages();
     assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD")), "{messages:?}");
 }
+
+#[test]
+fn pipelines_of_a_device_serve_another() {
+    use diffract::vk::descriptors::{Binding, Descriptors};
+    use diffract::vk::pipeline::{Code, Pipeline};
+    let make = |device: &Arc<Device>| {
+        let code = include_bytes!(concat!(env!("OUT_DIR"), "/interface_probe.comp.spv")).as_slice();
+        let block = |number, kind| Binding { number, kind, stages: ash::vk::ShaderStageFlags::COMPUTE };
+        let (uniform, storage) =
+            (ash::vk::DescriptorType::UNIFORM_BUFFER, ash::vk::DescriptorType::STORAGE_BUFFER);
+        let first = Descriptors::new(device, "set 0", &[block(0, uniform), block(8, storage)]).unwrap();
+        let second = Descriptors::new(device, "set 1", &[block(0, uniform)]).unwrap();
+        let code = Code { name: "interface_probe.comp", spirv: code, constants: &[] };
+        Pipeline::compute(device, code, &[&first, &second], 0).unwrap();
+    };
+    with_device(|device| {
+        make(device);
+        let data = device.pipeline_data().unwrap();
+        with_device(|other| {
+            other.add_pipelines(&data).unwrap();
+            make(other);
+            assert!(other.pipeline_data().unwrap().len() >= data.len());
+        });
+    });
+}

@@ -27,7 +27,7 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
             [-3.0, 0.0, 2.5, 6.0].into_iter().flat_map(|ev| Tone::ALL.map(|tone| (ev, tone)))
         {
             renderer.draw_sample(&view, &one, shows(exposure, tone)).unwrap();
-            let picture = renderer.picture().unwrap();
+            let picture = renderer.read_back().unwrap();
             let mut differing = 0;
             for (linear, code) in picture.radiance.iter().zip(&picture.display) {
                 let [r, g, b, alpha] = linear.map(f64::from);
@@ -49,15 +49,15 @@ fn the_displayed_picture_is_the_twin_s_within_one_code() {
         }
         // The twin is not indifferent: another exposure gives another picture.
         let (dark, bright) = (
-            renderer.paint(&view, -3.0, background).unwrap(),
-            renderer.paint(&view, 0.0, background).unwrap(),
+            renderer.render_plain(&view, -3.0, background).unwrap(),
+            renderer.render_plain(&view, 0.0, background).unwrap(),
         );
         assert!(dark.display != bright.display && dark.radiance == bright.radiance);
         // Neither is it to the tone, and what is on the device needs no drawing to be displayed by another.
-        assert!(renderer.display_again(SIZE, shows(0.0, Tone::Neutral)).unwrap());
-        let neutral = renderer.picture().unwrap();
+        assert!(renderer.display(SIZE, shows(0.0, Tone::Neutral)).unwrap());
+        let neutral = renderer.read_back().unwrap();
         assert!(neutral.display != bright.display && neutral.radiance == bright.radiance);
-        assert!(renderer.display_again(SIZE, shows(0.0, Tone::None)).unwrap());
-        assert!(renderer.picture().unwrap() == bright);
+        assert!(renderer.display(SIZE, shows(0.0, Tone::None)).unwrap());
+        assert!(renderer.read_back().unwrap() == bright);
     });
 }

@@ -316,7 +316,7 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let source = grating(&layers, copies, &field);
             let mut renderer = crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
-            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
             let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
             assert!(picture.radiance.iter().flatten().all(|x| x.is_finite()), "{copies:?}");
@@ -477,7 +477,7 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
             for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
                 view.camera = diffract::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
                 for exposure in [-40.0, 0.0, 40.0] {
-                    let picture = renderer.paint(&view, exposure, DVec3::splat(0.01)).unwrap();
+                    let picture = renderer.render_plain(&view, exposure, DVec3::splat(0.01)).unwrap();
                     for (i, pixel) in picture.radiance.iter().enumerate() {
                         assert!(
                             pixel.iter().all(|x| x.is_finite()),
@@ -486,8 +486,8 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
                     }
                     for tone in Tone::ALL {
                         let shown = Shown { exposure, tone, background: DVec3::splat(0.01) };
-                        assert!(renderer.display_again(size, shown).unwrap());
-                        let display = renderer.picture().unwrap().display;
+                        assert!(renderer.display(size, shown).unwrap());
+                        let display = renderer.read_back().unwrap().display;
                         for (a, b) in display.iter().zip(&displayed(&picture.radiance, shown)) {
                             let far = (0..4).any(|c| a[c].abs_diff(b[c]) > 1);
                             assert!(

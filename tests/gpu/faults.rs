@@ -10,7 +10,7 @@ use diffract::optics::coherence::{Coherence, Windows};
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
-use diffract::render::renderer::Picture;
+use diffract::render::renderer::{Picture, PictureRequest};
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::render::{target, upload};
@@ -52,7 +52,7 @@ fn view(scene: &Scene) -> View {
 
 fn paint(device: &Arc<Device>, source: &Source, shading: &Shading, scene: &Scene) -> Result<Picture> {
     let mut renderer = crate::renderer_of(device, scene, source, shading, [16, 12])?;
-    renderer.paint(&view(scene), 0.0, DVec3::ZERO)
+    renderer.render_plain(&view(scene), 0.0, DVec3::ZERO)
 }
 
 #[test]
@@ -128,8 +128,11 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
             let rates = profile::rates(&mut renderer, 16 * 12)?;
             renderer.directions(&view, 0)?;
             renderer.cosine_weighted(&queries(3, 5))?;
-            renderer.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), [16, 12], &mut |_| true)?;
-            let picture = renderer.picture()?;
+            renderer.draw(
+                &PictureRequest::one_sample(&view, [16, 12], Shown::plain(0.0, DVec3::ZERO)),
+                &mut |_| true,
+            )?;
+            let picture = renderer.read_back()?;
             let size = picture.size.map(|n| n as usize);
             let data = bytemuck::cast_slice(&picture.display);
             upload::texture(device, "picture", target::DISPLAY, size, None, data)?;
@@ -162,7 +165,7 @@ fn a_painter_that_could_not_grow_still_paints() {
     let view = view(&scene);
     with_device(|device| {
         let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &shading, [16, 12]).unwrap();
-        let before = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let before = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         for n in 1.. {
             device.refuse_allocation(n);
             let grown = renderer.resize([64, 48]);
@@ -173,7 +176,7 @@ fn a_painter_that_could_not_grow_still_paints() {
                 break;
             }
             renderer.resize([16, 12]).unwrap();
-            assert_eq!(renderer.paint(&view, 0.0, DVec3::ZERO).unwrap(), before, "after failure {n}");
+            assert_eq!(renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap(), before, "after failure {n}");
         }
     });
 }

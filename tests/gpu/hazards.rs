@@ -108,14 +108,14 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
                 let mesh = &scene.main_object().mesh;
                 let mut renderer = crate::renderer(device, source, shading, mesh, &white, SIZE).unwrap();
                 // A frame and its read-back, the accumulation of several, and another size.
-                renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+                renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
                 let sampling = Sampling { count: 3, seed: 1 };
-                renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
-                renderer.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
-                renderer.picture().unwrap();
+                renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+                renderer.display(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
+                renderer.read_back().unwrap();
                 renderer.directions(&view, lights - 1).unwrap();
                 renderer.resize([12, 8]).unwrap();
-                renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
+                renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
             };
             let mut recordings = vec![recorded(device, || draw(&window(&layers), &one))];
             recordings.push(recorded(device, || {
@@ -165,10 +165,10 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
             let mesh = (&scene.main_object().mesh, &Pigment::white());
             let mut renderer =
                 crate::renderer_with(device, &source, &mean(), mesh, SIZE, crate::shadows(true)).unwrap();
-            renderer.paint(&view, SHOWN.exposure, SHOWN.background).unwrap();
-            renderer.paint_samples(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
-            renderer.display_again(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
-            renderer.picture().unwrap();
+            renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
+            renderer.render(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
+            renderer.display(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
+            renderer.read_back().unwrap();
         });
         use Access::{
             ColorAttachment, DepthAttachment, HostRead, ShaderRead, TransferRead, TransferWrite, VertexRead,

@@ -30,8 +30,6 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
         let mut vector = || std::array::from_fn(|_| next());
         frame.eye = vector();
         expected.push(frame.eye);
-        (frame.light, frame.emitter, frame.irradiance) = (vector(), vector(), vector());
-        expected.extend([frame.light, frame.emitter, frame.irradiance]);
         frame.base_color = vector();
         frame.grooves = vector();
         frame.sample = SampleBlock {
@@ -45,11 +43,15 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
         expected.extend([frame.base_color, frame.grooves]);
         frame.surroundings = vector();
         expected.push(frame.surroundings);
-        for column in &mut frame.shadow_from_world {
-            *column = vector();
-            expected.push(*column);
-        }
         expected.extend([[51.0, 52.0, 53.0, 54.0], [55.0, 56.0, 0.0, 0.0]]);
+        for light in &mut frame.lights {
+            (light.toward, light.emitter, light.irradiance) = (vector(), vector(), vector());
+            expected.extend([light.toward, light.emitter, light.irradiance]);
+            for column in &mut light.shadow_from_world {
+                *column = vector();
+                expected.push(*column);
+            }
+        }
         let optics = SpectraBlock {
             texture_size: [101.0, 102.0],
             origin: [103.0, 104.0],

@@ -11,7 +11,7 @@ use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
 use diffract::render::pigment::Pigment;
 use diffract::render::reference_picture::{displayed_of, reference_picture};
-use diffract::render::renderer::RendererSettings;
+use diffract::render::renderer::{PictureRequest, RendererSettings};
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -94,7 +94,7 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
             let mut renderer =
                 crate::renderer(device, &source, &shading, &mesh, &Pigment::white(), SIZE).unwrap();
             let sampling = Sampling { count: 256, seed: 4 };
-            let picture = renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+            let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
             for i in [0, 20, 15 * 40 + 20, 29 * 40 + 39] {
                 let (found, exact) = (f64::from(picture.radiance[i][1]), brightness(&lamp, point(&view, i)));
                 eprintln!("{text}: {found:.4}, {exact:.4}");
@@ -166,7 +166,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
         let mut renderer = new(&source);
         renderer.draw_sample(&view, &sample, SHOWN).unwrap();
-        let error = colours(&renderer.picture().unwrap().radiance, &exact);
+        let error = colours(&renderer.read_back().unwrap().radiance, &exact);
         eprintln!("a sphere below two lamps: {error:.4}");
         assert!(error < 0.02, "{error}");
     });
@@ -191,7 +191,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
         let mut renderer = crate::renderer_of(device, &scene, &source, &shading, size).unwrap();
         for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
-            let picture = renderer.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let picture = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
             let expected = displayed_of(&view, size, &picture.radiance, shown);
             let (mut apart, mut behind) = (0, 0);
             // Covered by less than a whole sample, and of those the ones that are apart.
@@ -214,12 +214,17 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             // A picture of another view that is given up changes nothing of what is shown.
             let elsewhere = Camera { phi: view.camera.phi + 1.0, ..view.camera };
             let other = View { camera: elsewhere, ..view.clone() };
-            assert!(renderer.draw_while(&other, shown, size, &mut |_| false).unwrap().is_none());
-            assert!(renderer.display_again(size, shown).unwrap());
-            assert!(renderer.picture().unwrap() == picture, "another view is behind {count} samples");
+            assert!(
+                renderer
+                    .draw(&PictureRequest::one_sample(&other, size, shown), &mut |_| false)
+                    .unwrap()
+                    .is_none()
+            );
+            assert!(renderer.display(size, shown).unwrap());
+            assert!(renderer.read_back().unwrap() == picture, "another view is behind {count} samples");
             // Before a colour again.
             let plain = View { shows_surroundings: false, ..view.clone() };
-            let picture = renderer.paint_samples(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let picture = renderer.render(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();
             let black = display_over(DVec3::ZERO, 0.0, Tone::None, 0.0, DVec3::ZERO);
             let uncovered = picture.radiance.iter().zip(&picture.display).filter(|(r, _)| r[3] == 0.0);
             assert!(uncovered.map(|(_, code)| [code[0], code[1], code[2]]).all(|code| code == black));

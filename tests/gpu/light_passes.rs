@@ -37,7 +37,7 @@ fn alone_and_together(view: &View, alone: Sampling, together: Sampling) -> [Vec<
         let mut renderer =
             crate::renderer_with(device, &source, &shading, mesh, SIZE, crate::shadows(true)).unwrap();
         let mut paint = |view: &View, sampling: &Sampling| {
-            renderer.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
+            renderer.render(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
         };
         let under = |lights: &[Light], environment: &Option<Environment>| View {
             lights: lights.to_vec(),

@@ -95,7 +95,7 @@ fn lights_of_several_spectra_add_up_to_pictures_under_each_alone() {
                 let all = objects(&scene, &textures, &sources);
                 let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
                 renderer.draw_sample(&view, &sample, shown).unwrap();
-                renderer.picture().unwrap().radiance
+                renderer.read_back().unwrap().radiance
             };
             let of = |illuminants: &[Illuminant]| {
                 [sources(device, &field, method, illuminants), dark(illuminants)]
@@ -151,7 +151,7 @@ fn a_light_with_the_spectrum_of_the_scene_is_a_light_without_one() {
             let texts = ["50,-60,2", "30,-100,1", "sphere:0.4:2,-2,2"];
             let light = |(text, spectrum)| Light::parse(&format!("{text}{spectrum}")).unwrap();
             let view = View::of(&scene, texts.into_iter().zip(spectra).map(light).collect());
-            renderer.paint(&view, 0.0, DVec3::ZERO).unwrap()
+            renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap()
         };
         let without = picture([""; 3]);
         assert_eq!(picture(["@d65"; 3]), without);
@@ -178,7 +178,7 @@ fn a_white_surface_has_the_white_of_the_light() {
             .unwrap();
             let lights = vec![Light::point(0.0, 0.0, 2.0)];
             let view = View { base_color: Vec3::ONE, ..View::of(&scene, lights) };
-            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let white = xyz_to_linear_srgb(illuminant.white()) * 2.0;
             let mut covered = 0;
             for pixel in picture.radiance.iter().filter(|pixel| pixel[3] > 0.0) {
@@ -208,7 +208,7 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
             let sources = [sources(device, &field, method, &every)];
             let all = objects(&scene, &textures, &sources);
             let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
-            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let seen: Vec<_> = (0..3).map(|light| renderer.directions(&view, light).unwrap()).collect();
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
             let (mut difference, mut whole) = (0.0, 0.0);

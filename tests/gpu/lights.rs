@@ -66,7 +66,7 @@ fn radiance(
     let source = source(device, field, shading, Method::Table, FootprintSizes::default());
     let mut renderer = crate::renderer_of(device, scene, &source, shading, SIZE).unwrap();
     let mean = |sampling: &Sampling| {
-        let picture = renderer.paint_samples(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = renderer.render(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
         let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
         let (sum, count) = inside.fold((DVec3::ZERO, 0.0), |(sum, count), p| {
             (sum + DVec3::new(p[0].into(), p[1].into(), p[2].into()), count + 1.0)
@@ -165,7 +165,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
             let source = source(device, &field, &shading, Method::Table, sizes);
             let mut renderer = crate::renderer(device, &source, &shading, mesh, &white, SIZE).unwrap();
             renderer.draw_sample(view, &sample, SHOWN).unwrap();
-            let found = renderer.picture().unwrap().radiance;
+            let found = renderer.read_back().unwrap().radiance;
             let seen: Vec<Directions> =
                 (0..lights).map(|light| renderer.directions_of(view, light, &sample).unwrap()).collect();
             let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
@@ -282,7 +282,7 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
         let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(shadows));
         let mut renderer = crate::renderer_with(device, &source, &shading, object, SIZE, settings).unwrap();
         let sampling = Sampling { count: samples, seed: 2 };
-        let picture = renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
         picture.radiance.iter().skip(1).step_by(3).map(|p| f64::from(p[1])).collect()
     };
     // The picture's top is the far end, x < 0. The floor is seen at 45 degrees.
@@ -337,7 +337,7 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                     let mut renderer =
                         crate::renderer_with(device, &source, &shading, object, [160, 120], settings)
                             .unwrap();
-                    renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
+                    renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance
                 };
                 let (with, without) = (paint(true), paint(false));
                 let largest = without.iter().fold(0.0f32, |m, p| m.max(p[1]));
@@ -367,7 +367,7 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
             let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(true));
             let mut renderer =
                 crate::renderer_with(device, &source, &shading, object, [40, 30], settings).unwrap();
-            renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance
+            renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance
         };
         let (outward, inward) = (paint([a, b, c]), paint([a, c, b]));
         let lit = outward.iter().filter(|p| p[1] > 0.1).count();
@@ -390,7 +390,7 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
         let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
         let [few, more, most] = [16, 64, 256].map(|count| {
             let sampling = Sampling { count, seed: 1 };
-            renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
+            renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
         });
         let (few, more) = (colours(&few, &most), colours(&more, &most));
         eprintln!("the snake from 16 samples differs from 256 by {few:.3}, from 64 by {more:.3}");

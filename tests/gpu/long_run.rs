@@ -41,7 +41,7 @@ fn run(device: &Arc<Device>, frames: usize, looks: usize) -> Vec<Sample> {
     let mut samples = Vec::with_capacity(looks + 1);
     for frame in 0..=frames {
         view.lights[0] = Light::point(40.0, (frame % 360) as f64, 1.0);
-        renderer.draw(&view, 0.0, DVec3::ZERO).unwrap();
+        renderer.draw_plain(&view, 0.0, DVec3::ZERO).unwrap();
         if frame % (frames / looks) == 0 {
             samples.push(Sample { frames: frame, resident: resident(), on_device: device.memory_in_use() });
         }

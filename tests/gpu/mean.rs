@@ -182,7 +182,7 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &shading, mesh, &Pigment::white(), SIZE).unwrap();
-        let mut paint = |view: &View| renderer.paint(view, 0.0, DVec3::ZERO).unwrap().radiance;
+        let mut paint = |view: &View| renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance;
         let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
         let found = errors(&paint(&view));
@@ -231,7 +231,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
             let exact = reference_picture(&field, &shading, &view, &seen, &|_, _| Ok(())).unwrap();
             let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
             let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
-            let found = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let found = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
             assert!(errors.iter().all(|&e| e <= allowed), "{errors:?}");
@@ -258,7 +258,7 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
         let exact = reference_mean(&[object], &view, &samples, &mut seen, &|_, _| Ok(())).unwrap();
         let source = source(device, &field, shading, Method::Table, least);
-        let found = new(&source).paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
+        let found = new(&source).render(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
         let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
         eprintln!("16 samples: {errors:.4?}");
         assert!(errors.iter().all(|&e| e <= TABLE_OF_SAMPLES), "{errors:?}");
@@ -287,7 +287,7 @@ fn a_turntable_does_not_shimmer() {
         let reference = PixelReference::new(&field, &shading, &|_, _| Ok(())).unwrap();
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {
             let view = view_of(frame);
-            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap().radiance;
+            let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let found = pixels.iter().map(|&i| Vec4::from(picture[i]).truncate().as_dvec3()).collect();
             let seen = directions(device, &scene, &view);
             [found, reference.colors(&view, &seen, &pixels, &|_, _| Ok(())).unwrap()]

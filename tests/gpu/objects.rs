@@ -83,17 +83,17 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         let all = objects(&scene, &textures, &sources);
         let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
         renderer.draw_sample(&view, &sample, shown).unwrap();
-        let together = renderer.picture().unwrap();
+        let together = renderer.read_back().unwrap();
         let seen = renderer.directions_of(&view, 0, &sample).unwrap();
         let without = objects(&scene, &textures, std::iter::repeat_n(&sources[2], 3));
         let mut pigments = Renderer::new(device, &without, SIZE, RendererSettings::default()).unwrap();
         pigments.draw_sample(&view, &sample, shown).unwrap();
-        let pigments = pigments.picture().unwrap();
+        let pigments = pigments.read_back().unwrap();
         let (mut counts, mut greens) = ([0; 3], [[0.0; 2]; 3]);
         for (number, object) in all.iter().enumerate() {
             let mut alone = Renderer::new(device, &[*object], SIZE, RendererSettings::default()).unwrap();
             alone.draw_sample(&view, &sample, shown).unwrap();
-            let alone = alone.picture().unwrap();
+            let alone = alone.read_back().unwrap();
             for pixel in 0..together.radiance.len() {
                 if seen.view[pixel][3] != 0.0 && seen.object(pixel) == number {
                     counts[number] += 1;
@@ -115,8 +115,8 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         );
         // Sums of samples and tiles take the same way.
         let sampling = Sampling { count: 3, seed: 3 };
-        let whole = renderer.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
-        let again = renderer.paint_samples(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+        let whole = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+        let again = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
         assert!(whole == again && whole.radiance != together.radiance);
     });
 }

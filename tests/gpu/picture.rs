@@ -28,7 +28,7 @@ fn paint(
 ) -> (Picture, Vec<Directions>) {
     let layers = layers(field, shading);
     let mut renderer = crate::renderer_of(device, scene, &window(&layers), shading, SIZE).unwrap();
-    let picture = renderer.paint(view, 0.0, DVec3::ZERO).unwrap();
+    let picture = renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..view.lights.len()).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)
 }
@@ -88,7 +88,7 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
                     SIZE,
                 )
                 .unwrap();
-                renderer.paint(view, 0.0, DVec3::ZERO).unwrap().radiance
+                renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance
             };
             let textured = View { pigment: true, ..base(Vec3::ONE, &plain) };
             let found = paint(&green, &textured);

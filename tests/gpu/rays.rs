@@ -328,7 +328,7 @@ fn a_flat_plate_has_its_highlight_where_it_mirrors_the_light() {
         let source = source(device, &field, &shading, Method::Table, FootprintSizes::default());
         let mut renderer =
             crate::renderer(device, &source, &shading, &case.mesh, &Pigment::white(), PICTURE).unwrap();
-        let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let found = centroid(&picture.radiance, PICTURE);
         eprintln!("highlight at {found:.2}, mirrored light at {expected:.2}");
         // Across the highlight the cosines change by some per cent.
@@ -380,7 +380,7 @@ fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampl
     let exact = reference_mean(&[object], &view, &samples, &mut directions, &|_, _| Ok(())).unwrap();
     let source = source(device, &field, &shading, Method::Table, sizes);
     let mut renderer = renderer_of(device, scene, &source, &shading);
-    let picture = renderer.paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+    let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
     colours(&picture.radiance, &exact)
 }
 

@@ -57,7 +57,7 @@ fn paint(
     let source = grating(&layers, copies, field);
     let (mesh, lights) = (&scene.main_object().mesh, view.lights.len());
     let mut renderer = crate::renderer(device, &source, shading, mesh, &Pigment::white(), SIZE).unwrap();
-    let picture = renderer.paint(view, 0.0, DVec3::ZERO).unwrap();
+    let picture = renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..lights).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)
 }

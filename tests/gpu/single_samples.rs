@@ -12,6 +12,7 @@ use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
 use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
+use diffract::render::renderer::PictureRequest;
 use diffract::render::sampling::Sampling;
 use diffract::render::shading::Shading;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -66,7 +67,7 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
         let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
         let exact = reference_mean(&[object], &view, &samples, &mut of_pass, &|_, _| Ok(())).unwrap();
         let source = source(device, &field, &shading, Method::Table, sizes_of(&seen));
-        let picture = new(&source).paint_samples(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = new(&source).render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
         error = colours(&picture.radiance, &exact);
     });
     error
@@ -162,14 +163,14 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
         let sample = Sampling::ONE.sample(0);
         let mut renderer = new(&source);
         renderer.draw_sample(&view, &sample, SHOWN).unwrap();
-        let whole = renderer.picture().unwrap();
+        let whole = renderer.read_back().unwrap();
         let mut pieces = Vec::new();
         let mut next = |drawn: f64| {
             pieces.push(drawn);
             true
         };
-        renderer.draw_while(&view, SHOWN, size, &mut next).unwrap().unwrap();
-        assert!(renderer.picture().unwrap() == whole);
+        renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &mut next).unwrap().unwrap();
+        assert!(renderer.read_back().unwrap() == whole);
         // The first tile is 4 x 4 pixels.
         let share = 16.0 / f64::from(size[0] * size[1]);
         let of_first_tile = pieces.iter().filter(|&&drawn| drawn < 0.999 * share).count();
@@ -180,9 +181,11 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
             left -= 1;
             left > 0
         };
-        assert!(renderer.draw_while(&view, SHOWN, size, &mut give_up).unwrap().is_none());
-        renderer.draw_while(&view, SHOWN, size, &mut |_| true).unwrap().unwrap();
-        assert!(renderer.picture().unwrap() == whole);
+        assert!(
+            renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &mut give_up).unwrap().is_none()
+        );
+        renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &mut |_| true).unwrap().unwrap();
+        assert!(renderer.read_back().unwrap() == whole);
     });
 }
 

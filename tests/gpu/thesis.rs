@@ -33,7 +33,7 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
                 let layers = Arc::new(thesis::layers(&field, length / 4.0, SHORTEST).unwrap());
                 let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
                 let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
-                let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+                let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
                 let directions = [renderer.directions(&view, 0).unwrap()];
                 let exact = reference_picture(&field, &shading, &view, &directions, &|_, _| Ok(())).unwrap();
                 (0..3).map(|c| channel(&picture.radiance, &exact, c)).fold(0.0, f64::max)

@@ -8,7 +8,7 @@ use diffract::optics::coherence::Windows;
 use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
 use diffract::render::reference_picture::reference_pixels;
-use diffract::render::renderer::Renderer;
+use diffract::render::renderer::{PictureRequest, Renderer};
 use diffract::render::shading::Shading;
 use diffract::render::source::Source;
 use diffract::scene::{Environment, Light, Scene};
@@ -54,24 +54,26 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             (repeats(&layers, 3), repeats(&layers, 3), &lit),
         ];
         for (first, then, shading) in cases {
-            let expected = new(&then, shading).paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let expected = new(&then, shading).render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let mut renderer = new(&first, &before);
-            let former = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let former = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             assert!(former != expected, "a change that changes something");
             let memory = device.memory_in_use();
             // With no room for anything as large as the layers: a few small tables are all that is taken.
-            renderer.shade_by(&then, shading).unwrap();
+            renderer.set_source(&then, shading).unwrap();
             assert!(device.memory_in_use().abs_diff(memory) < layers.bytes() as u64 / 2);
-            assert!(renderer.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
+            assert!(renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap() == expected);
             // In tiles, too, each of which is a submission of its own.
-            renderer.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), SIZE, &mut |_| true).unwrap();
-            assert!(renderer.picture().unwrap() == expected);
+            renderer
+                .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(0.0, DVec3::ZERO)), &mut |_| true)
+                .unwrap();
+            assert!(renderer.read_back().unwrap() == expected);
         }
         // Layers, coefficients and pigment alone take as many allocations as that and more.
         let mut renderer = new(&window(&layers), &before);
-        renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         device.refuse_allocation(8);
-        renderer.shade_by(&window(&layers), &lit).unwrap();
+        renderer.set_source(&window(&layers), &lit).unwrap();
         device.refuse_allocation(u64::MAX);
     });
 }
@@ -87,7 +89,7 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
     with_device(|device| {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
         let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
-        renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let ProbeSamples { radiance, directions } = samples(&mut renderer, &view).unwrap();
         let pixels: Vec<usize> = (0..radiance.len()).collect();
         let exact = reference_pixels(&field, &shading, &view, &directions, &pixels, &|_, _| Ok(())).unwrap();
@@ -110,7 +112,7 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
         let source = crate::mean::source(device, &field, &shading, Method::Table, FootprintSizes::default());
         let mut renderer = crate::renderer_of(device, &scene, &source, &shading, SIZE).unwrap();
         assert!(renderer.pixel(&view, [48, 36]).unwrap().is_none(), "nothing is drawn yet");
-        let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let lights: Vec<_> = (0..2).map(|light| renderer.directions(&view, light).unwrap()).collect();
         let mut covered = 0;
         for at in [[48, 36], [40, 20], [60, 50], [0, 0], [95, 71]] {
@@ -127,10 +129,10 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
         }
         assert!(covered >= 3);
         assert!(renderer.pixel(&view, SIZE).unwrap().is_none(), "beyond the picture");
-        assert!(renderer.picture().unwrap() == picture, "nothing was drawn again");
+        assert!(renderer.read_back().unwrap() == picture, "nothing was drawn again");
         // The exposure of what is there can change without drawing it.
         renderer.resize(SIZE).unwrap();
-        assert!(renderer.display_again(SIZE, Shown::plain(1.0, DVec3::ZERO)).unwrap());
+        assert!(renderer.display(SIZE, Shown::plain(1.0, DVec3::ZERO)).unwrap());
     });
 }
 
@@ -148,7 +150,7 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
             let settings = shading.windowed_settings(sigma, 0.38, device.candidate()).unwrap();
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
             let mut renderer = crate::renderer_of(device, &scene, &window(&layers), shading, SIZE).unwrap();
-            let picture = renderer.paint(&view, 0.0, DVec3::ZERO).unwrap();
+            let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
             (picture.radiance, window(&layers).cost(shading, &directions))
         };
@@ -172,7 +174,7 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
     let background = DVec3::splat(0.2);
     with_device(|device| {
         let mut whole = renderer(device, &scene, SIZE);
-        let expected = whole.paint(&view, 1.0, background).unwrap();
+        let expected = whole.render_plain(&view, 1.0, background).unwrap();
         let mut renderer = renderer(device, &scene, SIZE);
         let mut asked = 0;
         let mut count = |part: f64| {
@@ -181,10 +183,13 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
             true
         };
         assert!(
-            renderer.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut count).unwrap().is_some()
+            renderer
+                .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(1.0, background)), &mut count)
+                .unwrap()
+                .is_some()
         );
         assert!(asked >= 2, "the picture has more than one tile at first");
-        assert!(renderer.picture().unwrap() == expected);
+        assert!(renderer.read_back().unwrap() == expected);
         // Another light, given up after the first tile.
         let mut tiles = 0;
         let mut once = |_| {
@@ -192,18 +197,22 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
             tiles < 2
         };
         let other = View { lights: vec![Light::point(70.0, 100.0, 1.0)], ..view.clone() };
-        let done = renderer.draw_while(&other, Shown::plain(1.0, background), SIZE, &mut once).unwrap();
+        let done = renderer
+            .draw(&PictureRequest::one_sample(&other, SIZE, Shown::plain(1.0, background)), &mut once)
+            .unwrap();
         if done.is_none() {
-            assert!(renderer.picture().unwrap().display == expected.display);
+            assert!(renderer.read_back().unwrap().display == expected.display);
             assert!(
-                !renderer.display_again(SIZE, Shown::plain(0.0, background)).unwrap(),
+                !renderer.display(SIZE, Shown::plain(0.0, background)).unwrap(),
                 "half a picture is none"
             );
         }
-        renderer.draw_while(&view, Shown::plain(1.0, background), SIZE, &mut |_| true).unwrap();
-        assert!(renderer.display_again(SIZE, Shown::plain(2.0, background)).unwrap());
-        let brighter = whole.paint(&view, 2.0, background).unwrap();
-        assert!(renderer.picture().unwrap() == brighter && brighter.display != expected.display);
+        renderer
+            .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(1.0, background)), &mut |_| true)
+            .unwrap();
+        assert!(renderer.display(SIZE, Shown::plain(2.0, background)).unwrap());
+        let brighter = whole.render_plain(&view, 2.0, background).unwrap();
+        assert!(renderer.read_back().unwrap() == brighter && brighter.display != expected.display);
     });
 }
 
@@ -213,16 +222,18 @@ fn a_smaller_picture_lies_in_the_corner_and_another_size_is_another_picture() {
     let view = view(&scene, 2.0);
     let small = [48, 36];
     with_device(|device| {
-        let expected = renderer(device, &scene, small).paint(&view, 0.0, DVec3::ZERO).unwrap();
+        let expected = renderer(device, &scene, small).render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let mut renderer = renderer(device, &scene, SIZE);
-        renderer.draw_while(&view, Shown::plain(0.0, DVec3::ZERO), small, &mut |_| true).unwrap();
-        let shown = renderer.picture().unwrap();
+        renderer
+            .draw(&PictureRequest::one_sample(&view, small, Shown::plain(0.0, DVec3::ZERO)), &mut |_| true)
+            .unwrap();
+        let shown = renderer.read_back().unwrap();
         for y in 0..small[1] as usize {
             let rows = [small[0], SIZE[0]].map(|width| y * width as usize);
             let row = |p: &[[u8; 4]], first: usize| p[first..first + small[0] as usize].to_vec();
             assert_eq!(row(&expected.display, rows[0]), row(&shown.display, rows[1]), "row {y}");
         }
         renderer.resize(small).unwrap();
-        assert!(renderer.paint(&view, 0.0, DVec3::ZERO).unwrap() == expected);
+        assert!(renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap() == expected);
     });
 }

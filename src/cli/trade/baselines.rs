@@ -45,7 +45,7 @@ impl Baselines<'_> {
         let (mut renderer, directions) = self.scene.renderer(&classical(0.0), &shading)?;
         let exact = references.of(self.scene, &shading, &directions)?;
         let colors = |renderer: &mut Renderer, strength: f64| {
-            renderer.shade_by(&classical(strength), &shading)?;
+            renderer.set_source(&classical(strength), &shading)?;
             self.scene.paint(renderer).map(|picture| shown(&picture, &exact.pixels))
         };
         // The picture is linear in the strength: a least-squares fit between the pictures of strengths 0 and 1.
@@ -56,7 +56,7 @@ impl Baselines<'_> {
             (p + orders.dot(*exact - *pigment), s + orders.length_squared())
         });
         let strength = if square > 0.0 { (product / square).max(0.0) } else { 0.0 };
-        renderer.shade_by(&classical(strength), &shading)?;
+        renderer.set_source(&classical(strength), &shading)?;
         Ok(Some(Measurement {
             flags: format!("grating equation, one period of {:.0} nm, for comparison", period * 1e3),
             series: GRATING.to_owned(),

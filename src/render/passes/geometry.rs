@@ -68,7 +68,7 @@ impl GeometryPass {
                 if gbuffer.settings.several {
                     draw.stencil(stencil_of(number));
                 }
-                object.mesh.draw(draw);
+                object.mesh.draw(draw, 0);
             }
         });
         record.images(&change(Access::ColorAttachment, Access::ShaderRead));

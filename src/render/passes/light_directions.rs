@@ -1,7 +1,7 @@
 //! Directions of a light at every pixel, exactly as shading computes them, for read-back. The shader is
 //! `directions.frag`.
 
-use super::light_kind::{LightKind, LightPipelines};
+use super::light_run::{LightPipelines, LightRun};
 use super::{over_objects, stencil_of};
 use crate::error::Result;
 use crate::render::gbuffer::GBuffer;
@@ -47,19 +47,19 @@ impl LightDirections {
         })
     }
 
-    /// Makes the pipeline for lights of this `kind`, unless it is there already.
+    /// Makes the pipeline for `run`, a single light, unless it is there already.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
     pub fn prepare(
         &mut self,
         device: &Arc<Device>,
-        kind: LightKind,
+        run: LightRun,
         object: &DeviceObject,
         gbuffer: &GBuffer,
     ) -> Result<()> {
-        self.pipelines.prepare(kind, || {
-            let constants = kind.constants();
+        self.pipelines.prepare(run, || {
+            let constants = run.constants();
             let fragment = Some(shader!("directions.frag").with(&constants));
             let drawing = over_objects(&[FORMAT; 3], gbuffer.settings);
             let sets = [&object.frame.descriptors];
@@ -67,16 +67,10 @@ impl LightDirections {
         })
     }
 
-    /// Records the directions of a light of this `kind` at the pixels of `objects`, whose `Frame` blocks hold the light. The
+    /// Records the directions of the light `run` at the pixels of `objects`, whose `Frame` blocks hold the light. The
     /// images become readable by shaders.
-    pub fn record(
-        &self,
-        record: &Recorder<'_>,
-        kind: LightKind,
-        gbuffer: &GBuffer,
-        objects: &[DeviceObject],
-    ) {
-        let Some(pipeline) = self.pipelines.of(kind) else { return };
+    pub fn record(&self, record: &Recorder<'_>, run: LightRun, gbuffer: &GBuffer, objects: &[DeviceObject]) {
+        let Some(pipeline) = self.pipelines.of(run) else { return };
         let images = [&self.light, &self.footprints, &self.mirrored];
         let mut before = images.map(|image| (image, Access::Nothing, Access::ColorAttachment)).to_vec();
         before.push((&gbuffer.depth, Access::DepthAttachment, Access::DepthAttachment));

@@ -6,7 +6,7 @@ pub mod background;
 pub mod display;
 pub mod geometry;
 pub mod light_directions;
-pub mod light_kind;
+pub mod light_run;
 pub mod probe;
 pub mod shade;
 pub mod shadow;

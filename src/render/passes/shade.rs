@@ -1,6 +1,6 @@
 //! Shading pass: the light of every covered pixel, from a source. Its shader is `shade.frag`.
 
-use super::light_kind::{LightKind, LightPipelines};
+use super::light_run::{LightPipelines, LightRun};
 use super::{over_objects, stencil_of};
 use crate::error::Result;
 use crate::render::gbuffer::{GBuffer, GBufferSettings};
@@ -29,7 +29,7 @@ pub struct ShadePass {
 }
 
 impl ShadePass {
-    /// Makes the pipeline for lights of this `kind`, unless it is there already. It shades the surfaces in G-buffers
+    /// Makes the pipeline for `lights`, unless it is there already. It shades the surfaces in G-buffers
     /// with these `settings`, from `source`, with the set layout of `frame`.
     ///
     /// # Errors
@@ -37,13 +37,13 @@ impl ShadePass {
     pub fn prepare(
         &mut self,
         device: &Arc<Device>,
-        kind: LightKind,
+        lights: LightRun,
         frame: &Descriptors,
         source: &BoundSource,
         settings: GBufferSettings,
     ) -> Result<()> {
-        self.pipelines.prepare(kind, || {
-            let constants = [source.shade_constants().as_slice(), &kind.constants()].concat();
+        self.pipelines.prepare(lights, || {
+            let constants = [source.shade_constants().as_slice(), &lights.constants()].concat();
             let (vertex, code) = (shader!("display.vert"), source.shade().with(&constants));
             let (sets, push_bytes) = ([frame, &source.descriptors], size_of::<ShadeBlock>() as u32);
             let drawing = over_objects(&[target::RADIANCE], settings);
@@ -52,7 +52,7 @@ impl ShadePass {
     }
 }
 
-/// Draw call of an object under one light.
+/// Draw call of an object under lights of one kind.
 #[derive(Clone, Copy)]
 pub struct ShadedObject<'a> {
     /// Number of the object, from 0.
@@ -61,10 +61,10 @@ pub struct ShadedObject<'a> {
     pub object: &'a DeviceObject,
     /// Source of the object.
     pub source: &'a BoundSource,
-    /// Shading pass, prepared for the light.
+    /// Shading pass, prepared for the lights.
     pub pass: &'a ShadePass,
-    /// Light.
-    pub kind: LightKind,
+    /// Lights.
+    pub lights: LightRun,
     /// White diffuse surface under the illuminant, linear sRGB.
     pub white: Vec3,
     /// True if this draw adds 1 to the coverage of its pixels.
@@ -74,9 +74,9 @@ pub struct ShadedObject<'a> {
 impl ShadedObject<'_> {
     /// Adds these `parts` of the sum to the pixels of the object; `several`: only to its pixels among those of others.
     fn draw(&self, draw: &Recorder<'_>, several: bool, parts: &Range<u32>) {
-        let Self { number, object, source, kind, white, counts, .. } = *self;
-        let Some(pipeline) = self.pass.pipelines.of(kind) else { return };
-        let all = source.parts(kind.mirrored);
+        let Self { number, object, source, lights, white, counts, .. } = *self;
+        let Some(pipeline) = self.pass.pipelines.of(lights) else { return };
+        let all = source.parts(lights.mirrored);
         for part in Part::each(all).filter(|part| parts.contains(&part.first)) {
             draw.bind(pipeline, &[&object.frame.descriptors, &source.descriptors]);
             if several {

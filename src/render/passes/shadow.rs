@@ -9,7 +9,6 @@ use crate::error::Result;
 use crate::render::device_mesh::attributes;
 use crate::render::object::DeviceObject;
 use crate::render::shader;
-use crate::render::shadow_map::side;
 use crate::render::target;
 use crate::scene::Vertex;
 use crate::vk::access::Access;
@@ -19,57 +18,44 @@ use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use crate::vk::pipeline::{Depth, Drawing, Pipeline};
 use ash::vk;
-use std::cell::Cell;
+use std::cell::RefCell;
 use std::sync::Arc;
-
-/// Maximum number of depth maps. Further lights share the last.
-const MOST_MAPS: usize = 4;
-
-/// Depth maps of the lights.
-pub struct ShadowPass {
-    maps: Vec<DepthMap>,
-    /// Number of the map bound to the objects.
-    read: usize,
-    /// Matrix from the world to the clip space of that map, for the current position of its light.
-    wanted: ClipFromWorld,
-    side: u32,
-    pipeline: Pipeline,
-    block: Descriptors,
-}
 
 /// Columns of the matrix from the world to the clip space of a depth map.
 type ClipFromWorld = [[f32; 4]; 4];
 
-/// Depth map of the mesh from one light.
-struct DepthMap {
-    image: Image,
-    /// Matrix from the world to the map's clip space when it was drawn; `None` before that.
-    drawn: Cell<Option<ClipFromWorld>>,
+/// Depth maps of the lights of a pass.
+pub struct ShadowPass {
+    /// One layer for each light.
+    maps: Image,
+    /// Matrix of each layer when it was drawn; `None` before that.
+    drawn: RefCell<Vec<Option<ClipFromWorld>>>,
+    /// Matrix of each layer for the current position of its light.
+    wanted: Vec<ClipFromWorld>,
+    pipeline: Pipeline,
+    block: Descriptors,
 }
 
-impl DepthMap {
-    fn new(device: &Arc<Device>, side: u32) -> Result<Self> {
-        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-        let (size, format) = ([side; 2], target::DEPTH);
-        let description = Description { name: "shadow map", format, size, layers: 1, array: false, usage };
-        Ok(Self { image: Image::new(device, &description)?, drawn: Cell::new(None) })
-    }
+/// Makes an array of `layers` depth maps of this `side`.
+fn maps(device: &Arc<Device>, side: u32, layers: u32) -> Result<Image> {
+    let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+    let (size, format) = ([side; 2], target::DEPTH);
+    Image::new(device, &Description { name: "shadow maps", format, size, layers, array: true, usage })
 }
 
 impl ShadowPass {
-    /// Makes a map for pictures of `objects` with `size` pixels, and binds it to the objects.
+    /// Makes a pass without maps.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
-    pub fn new(device: &Arc<Device>, objects: &[DeviceObject], size: [u32; 2]) -> Result<Self> {
-        let side = side(size);
+    pub fn new(device: &Arc<Device>, objects: &[DeviceObject]) -> Result<Self> {
         let binding = Binding {
             number: 0,
             kind: vk::DescriptorType::UNIFORM_BUFFER,
             stages: vk::ShaderStageFlags::VERTEX,
         };
         let block = Descriptors::new(device, "shadow set", &[binding])?;
-        // The light is the same for all objects.
+        // The lights are the same for all objects.
         if let Some(first) = objects.first() {
             first.frame.share_block(&block, 0);
         }
@@ -85,47 +71,54 @@ impl ShadowPass {
             }),
         };
         let pipeline = Pipeline::graphics(device, shader!("shadow.vert"), None, &drawing, &[&block], 0)?;
-        let map = DepthMap::new(device, side)?;
-        objects.iter().for_each(|object| object.frame.read_shadow(Some(&map.image)));
-        Ok(Self { maps: vec![map], read: 0, wanted: ClipFromWorld::default(), side, pipeline, block })
+        Ok(Self { maps: maps(device, 1, 1)?, drawn: RefCell::default(), wanted: Vec::new(), pipeline, block })
     }
 
-    /// Binds the map of light number `light`, with the matrix `clip_from_world`, to `objects`. The device must not be
-    /// using the objects' sets.
+    /// Sets the matrices of the lights, and binds their maps, of this `side`, to `objects`. The device must not be using
+    /// the objects' sets.
     ///
     /// # Errors
-    /// Fails if the device is out of memory for the light's first map.
+    /// Fails if the device is out of memory for larger or further maps.
     pub fn select(
         &mut self,
         device: &Arc<Device>,
         objects: &[DeviceObject],
-        light: usize,
-        clip_from_world: ClipFromWorld,
+        side: u32,
+        wanted: Vec<ClipFromWorld>,
     ) -> Result<()> {
-        let number = light.min(MOST_MAPS - 1);
-        while self.maps.len() <= number {
-            self.maps.push(DepthMap::new(device, self.side)?);
+        let missing = wanted.len() > self.drawn.get_mut().len();
+        if missing || self.maps.size() != [side; 2] {
+            let layers = wanted.len().max(self.drawn.get_mut().len());
+            self.maps = maps(device, side, layers as u32)?;
+            *self.drawn.get_mut() = vec![None; layers];
+            objects.iter().for_each(|object| object.frame.read_shadow(Some(&self.maps)));
         }
-        if number != self.read {
-            objects.iter().for_each(|object| object.frame.read_shadow(Some(&self.maps[number].image)));
-        }
-        (self.read, self.wanted) = (number, clip_from_world);
+        self.wanted = wanted;
         Ok(())
     }
 
-    /// Records the drawing of `objects` into the selected map, unless the map is up to date; the map becomes readable
-    /// by shaders.
+    /// Records the drawing of `objects` into the maps that are not up to date; all maps become readable by shaders.
     pub fn record(&self, record: &Recorder<'_>, objects: &[DeviceObject]) {
-        let DepthMap { image, drawn } = &self.maps[self.read];
-        if drawn.replace(Some(self.wanted)) == Some(self.wanted) {
+        let mut drawn = self.drawn.borrow_mut();
+        let mut current = drawn.iter().zip(&self.wanted).map(|(drawn, wanted)| *drawn == Some(*wanted));
+        if current.all(|current| current) {
             return;
         }
-        let all = record.within([self.side; 2], 0..self.side);
-        all.images(&[(image, Access::Nothing, Access::DepthAttachment)]);
-        all.render(&[], Some(image), |draw| {
-            draw.bind(&self.pipeline, &[&self.block]);
-            objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw));
-        });
-        all.images(&[(image, Access::DepthAttachment, Access::ShaderRead)]);
+        let side = self.maps.size();
+        let all = record.within(side, 0..side[1]);
+        // Maps that stay keep their contents.
+        let is_new = drawn.iter().all(Option::is_none);
+        let before = if is_new { Access::Nothing } else { Access::ShaderRead };
+        all.images(&[(&self.maps, before, Access::DepthAttachment)]);
+        for (layer, (drawn, wanted)) in (0..).zip(drawn.iter_mut().zip(&self.wanted)) {
+            if drawn.replace(*wanted) == Some(*wanted) {
+                continue;
+            }
+            all.render_layer(&self.maps, layer, |draw| {
+                draw.bind(&self.pipeline, &[&self.block]);
+                objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw, layer));
+            });
+        }
+        all.images(&[(&self.maps, Access::DepthAttachment, Access::ShaderRead)]);
     }
 }

@@ -1,6 +1,6 @@
-//! Read-back of the G-buffer and of lights: the directions seen by pixels.
+//! Read-back of the picture, and of the directions that its pixels see.
 
-use super::{Content, LightDirections, Renderer};
+use super::{Content, LightDirections, Picture, Renderer};
 use crate::error::{Error, Result};
 use crate::render::directions::{Directions, Pixel};
 use crate::render::frame::View;
@@ -22,6 +22,40 @@ pub(super) enum PictureArea {
 }
 
 impl Renderer {
+    /// Reads back the last picture at the size of the target. An abandoned picture has no radiance and the former
+    /// display.
+    ///
+    /// # Errors
+    /// Fails if the device is lost.
+    pub fn read_back(&self) -> Result<Picture> {
+        let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
+        let radiance = match sum.filter(|_| self.shows == Content::Mean) {
+            Some((accumulation, summed)) => {
+                let mut sum = self.read(&accumulation.sum, PictureArea::All)?;
+                let samples = summed.samples as f32;
+                sum.iter_mut().flatten().for_each(|x| *x /= samples);
+                sum
+            }
+            None if self.shows == Content::PictureArea => {
+                let [width, height] = self.target.size();
+                vec![[0.0; 4]; width as usize * height as usize]
+            }
+            None => self.read(&self.target.radiance, PictureArea::All)?,
+        };
+        let display = target::read_back(&self.device, &self.target.display, Access::ShaderRead)?;
+        let view = match self.shows {
+            Content::Sample => self.image_input.as_ref().map(|found| &found.view),
+            Content::Mean => self.summed.as_ref().map(|summed| &summed.view),
+            Content::Nothing | Content::PictureArea => None,
+        };
+        Ok(Picture {
+            size: self.target.size(),
+            radiance,
+            display: bytemuck::pod_collect_to_vec(&display),
+            surrounded: view.is_some_and(|view| view.background().is_some()),
+        })
+    }
+
     /// Returns the directions of light number `light` in one sample of `view` at the pixel centres, exactly as shading
     /// reads them.
     ///
@@ -92,7 +126,7 @@ impl Renderer {
             if *covered { unprojected([*x, *y]) } else { [0.0; 4] }
         };
         let facing = self.read(&self.gbuffer.facing, part)?;
-        let mirrored = if self.kind(view, pass).mirrored {
+        let mirrored = if self.shadings.run_of(view, pass.light).mirrored {
             let read = kept(self.read(&of_light.mirrored, part)?);
             read.into_iter().map(|[red, green, blue, _]| [red, green, blue]).collect()
         } else {
@@ -128,12 +162,12 @@ impl Renderer {
     /// Draws the directions of a `pass` of `view`, and the G-buffer unless it is up to date.
     fn draw_directions(&mut self, view: &View, pass: &LightPass) -> Result<()> {
         self.write(view, self.target.size(), pass)?;
-        let kind = self.kind(view, pass);
+        let run = self.shadings.run_of(view, pass.light);
         let of_light = match &mut self.light_directions {
             Some(there) => there,
             none => none.insert(LightDirections::new(&self.device, self.gbuffer.size())?),
         };
-        of_light.prepare(&self.device, kind, &self.objects[0], &self.gbuffer)?;
+        of_light.prepare(&self.device, run, &self.objects[0], &self.gbuffer)?;
         let is_stale = !self.gbuffer_is_current();
         if is_stale {
             // The new surfaces may cover other pixels than the existing radiance.
@@ -150,7 +184,7 @@ impl Renderer {
             if is_stale {
                 self.geometry_pass.record(record, &self.gbuffer, &self.objects);
             }
-            of_light.record(record, kind, &self.gbuffer, &self.objects);
+            of_light.record(record, run, &self.gbuffer, &self.objects);
             Ok(())
         })?;
         self.image_input = self.block_input.clone();

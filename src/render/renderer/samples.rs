@@ -1,11 +1,12 @@
-//! Pictures that are the mean of samples, drawn one after the other.
+//! Drawing of pictures: single samples, and means of samples drawn one after the other.
 
 use super::{Content, DrawRequest, FinalStep, PassInput, Picture, Renderer};
 use crate::error::Result;
 use crate::render::frame::{Shown, View};
-use crate::render::light_passes::{LightPass, SampleGroup};
+use crate::render::light_passes::{LightPass, SampleGroup, all_lights};
 use crate::render::passes::accumulate::Accumulation;
-use crate::render::sampling::Sampling;
+use crate::render::sampling::{Sample, Sampling};
+use glam::DVec3;
 
 /// Settings of the samples in a sum.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,13 +29,73 @@ impl Summed {
     }
 }
 
+/// Picture to draw.
+#[derive(Clone, Copy)]
+pub struct PictureRequest<'a> {
+    /// View.
+    pub view: &'a View,
+    /// Samples whose mean is the picture.
+    pub sampling: Sampling,
+    /// Size in the corner of the target, at most that of the target \[pixels\].
+    pub size: [u32; 2],
+    /// Settings of the display.
+    pub shown: Shown,
+}
+
+impl<'a> PictureRequest<'a> {
+    /// Returns the request of one sample at the pixel centres.
+    pub const fn one_sample(view: &'a View, size: [u32; 2], shown: Shown) -> Self {
+        Self { view, sampling: Sampling::ONE, size, shown }
+    }
+}
+
+/// Progress of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Number of samples in the displayed mean.
+    pub samples: u32,
+    /// Time of the device for the last of them \[ms\].
+    pub milliseconds: f64,
+}
+
 impl Renderer {
+    /// Draws the next samples of `request` and displays the mean so far: the first ones of another picture than the
+    /// last, or those after the samples that are summed already. Once all are summed, only the display is drawn.
+    ///
+    /// Draws in pieces of about 15 milliseconds, between which other work gets the device. Calls `go_on` before each
+    /// piece with the fraction of these samples that is submitted. If it returns false, nothing is added, the former
+    /// display stays, the result is `None`, and the next call draws the same samples.
+    ///
+    /// # Errors
+    /// Fails if the device is lost or out of memory for the sum.
+    pub fn draw(
+        &mut self,
+        request: &PictureRequest<'_>,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Option<Progress>> {
+        let PictureRequest { view, sampling, size, shown } = *request;
+        if sampling.count <= 1 {
+            let passes = self.shadings.bounded(all_lights(view.light_count(), sampling.sample(0)));
+            let drawn = DrawRequest { view, size, passes: &passes };
+            let times = self.draw_tiles(drawn, FinalStep::Display(shown), go_on)?;
+            return Ok(times.map(|times| Progress { samples: 1, milliseconds: times.total() }));
+        }
+        let before = self.samples_of(view, &sampling, size);
+        if before >= sampling.count {
+            self.shows = Content::Mean;
+            self.display(size, shown)?;
+            return Ok(Some(Progress { samples: before, milliseconds: 0.0 }));
+        }
+        let group = view.schedule(&sampling).after(before);
+        self.add(request, &group, Some(shown), go_on)
+    }
+
     /// Draws all samples of `view`, displays them with the settings `shown` and reads the picture back. Calls
     /// `progress` with the number of samples done; an error it returns ends the picture.
     ///
     /// # Errors
     /// Fails if the device is lost or out of memory for the sum, or with the error of `progress`.
-    pub fn paint_samples(
+    pub fn render(
         &mut self,
         view: &View,
         sampling: &Sampling,
@@ -43,83 +104,84 @@ impl Renderer {
     ) -> Result<Picture> {
         if sampling.count <= 1 {
             self.draw_sample(view, &sampling.sample(0), shown)?;
-            return self.picture();
+            return self.read_back();
         }
-        let size = self.target.size();
+        let request = PictureRequest { view, sampling: *sampling, size: self.target.size(), shown };
         self.summed = None;
         let schedule = view.schedule(sampling);
         let mut before = 0;
         for group in schedule.groups() {
             let shown = Some(shown).filter(|_| before + group.samples >= sampling.count);
-            self.add(view, sampling, &group, shown, size, &mut |_| true)?;
+            self.add(&request, &group, shown, &mut |_| true)?;
             before += group.samples;
             progress(before)?;
         }
-        self.picture()
+        self.read_back()
     }
 
-    /// Adds the next group of samples of `view`, with `size` pixels in the corner of the target, to the sum of the same
-    /// view, sampling and size, or starts a new sum. Displays the mean so far. Shades in tiles as [`Self::draw_while`]
-    /// does. Returns the number of samples in the mean, or `None` if `go_on` returned false: then nothing is added, and
-    /// the next call draws the group again. Once all samples are summed, only the display is drawn.
+    /// Draws a single `sample` of `view` under all lights, each pass in one submission, and displays it with the settings
+    /// `shown`.
     ///
     /// # Errors
-    /// Fails if the device is lost or out of memory for the sum.
-    pub fn add_samples(
-        &mut self,
-        view: &View,
-        sampling: &Sampling,
-        shown: Shown,
-        size: [u32; 2],
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<u32>> {
-        let before = self.samples_of(view, sampling, size);
-        if before >= sampling.count {
-            self.shows = Content::Mean;
-            self.display_again(size, shown)?;
-            return Ok(Some(before));
-        }
-        let group = view.schedule(sampling).after(before);
-        self.add(view, sampling, &group, Some(shown), size, go_on)
+    /// Fails if the device is lost.
+    pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
+        let passes = self.shadings.bounded(all_lights(view.light_count(), *sample));
+        let drawn = DrawRequest { view, size: self.target.size(), passes: &passes };
+        self.draw_whole(drawn, FinalStep::Display(shown))
     }
 
-    /// Adds the next `group` as [`Self::add_samples`] does. Displays the mean if `shown` is given.
+    /// Draws one sample of `view` at the pixel centres and displays it without tone mapping.
+    ///
+    /// # Errors
+    /// Fails if the device is lost.
+    pub fn draw_plain(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<()> {
+        self.draw_sample(view, &Sampling::ONE.sample(0), Shown::plain(exposure, background))
+    }
+
+    /// Draws as [`Self::draw_plain`] and reads the picture back.
+    ///
+    /// # Errors
+    /// Fails if the device is lost.
+    pub fn render_plain(&mut self, view: &View, exposure: f64, background: DVec3) -> Result<Picture> {
+        self.draw_plain(view, exposure, background)?;
+        self.read_back()
+    }
+
+    /// Adds the next `group` of `request` to the sum. Displays the mean if `shown` is given.
     fn add(
         &mut self,
-        view: &View,
-        sampling: &Sampling,
+        request: &PictureRequest<'_>,
         group: &SampleGroup,
         shown: Option<Shown>,
-        size: [u32; 2],
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<u32>> {
+    ) -> Result<Option<Progress>> {
+        let PictureRequest { view, sampling, size, .. } = *request;
         if self.accumulation.is_none() {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
             self.bind_background();
         }
+        let passes = self.shadings.bounded(group.passes.clone());
         if let Some(accumulation) = &mut self.accumulation {
-            accumulation.make_room(&self.device, group.passes.len())?;
+            accumulation.make_room(&self.device, passes.len())?;
         }
-        let before = self.samples_of(view, sampling, size);
+        let before = self.samples_of(view, &sampling, size);
         if before == 0 {
             // The sum is invalid until its first group is added.
             self.invalidate();
         }
-        let drawn = DrawRequest { view, size, passes: &group.passes };
+        let drawn = DrawRequest { view, size, passes: &passes };
         let finish = FinalStep::Add { before, samples: group.samples, shown };
-        if self.draw_tiles(drawn, finish, go_on)?.is_none() {
-            return Ok(None);
-        }
+        let Some(times) = self.draw_tiles(drawn, finish, go_on)? else { return Ok(None) };
         let samples = before + group.samples;
         match &mut self.summed {
             Some(summed) => summed.samples = samples,
-            none => *none = Some(Summed { view: view.clone(), sampling: *sampling, size, samples }),
+            none => *none = Some(Summed { view: view.clone(), sampling, size, samples }),
         }
-        Ok(Some(samples))
+        Ok(Some(Progress { samples, milliseconds: times.total() }))
     }
 
     /// Returns the number of samples of `view` by `sampling` with `size` pixels in the sum.
-    pub fn samples_of(&self, view: &View, sampling: &Sampling, size: [u32; 2]) -> u32 {
+    fn samples_of(&self, view: &View, sampling: &Sampling, size: [u32; 2]) -> u32 {
         let same = |s: &&Summed| (&s.view, &s.sampling, s.size) == (view, sampling, size);
         self.summed.as_ref().filter(same).map_or(0, |summed| summed.samples)
     }

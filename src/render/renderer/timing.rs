@@ -1,6 +1,6 @@
 //! Times of the parts of a frame, measured separately.
 
-use super::{Renderer, shaded};
+use super::Renderer;
 use crate::error::Result;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::{LightPass, all_lights};
@@ -84,7 +84,7 @@ impl Renderer {
         let start = Instant::now();
         let mut times = PassTimes::default();
         self.image_input = None;
-        let passes = all_lights(view.light_count(), Sampling::ONE.sample(0));
+        let passes = self.shadings.bounded(all_lights(view.light_count(), Sampling::ONE.sample(0)));
         for (number, pass) in passes.iter().enumerate() {
             self.write(view, self.target.size(), pass)?;
             let is_last = number + 1 == passes.len();
@@ -104,11 +104,10 @@ impl Renderer {
         shown: Option<Shown>,
         times: &mut PassTimes,
     ) -> Result<()> {
-        let kind = self.kind(view, pass);
-        let parts = self.parts(kind);
+        let parts = self.shadings.parts(view, pass);
         let (target, geometry_pass, gbuffer, objects) =
             (&self.target, &self.geometry_pass, &self.gbuffer, &self.objects);
-        let shaded = shaded(&self.shadings, objects, view, pass, kind);
+        let shaded = self.shadings.draws(objects, view, pass);
         self.commands.run(|record| {
             let begin = Instant::now();
             record.reset(stamps);

@@ -1,0 +1,213 @@
+//! Sources and pipelines of all objects, and the lights that each of them shades.
+
+use crate::error::Result;
+use crate::optics::color;
+use crate::optics::spectrum::Illuminant;
+use crate::render::frame::View;
+use crate::render::gbuffer::GBufferSettings;
+use crate::render::light_passes::LightPass;
+use crate::render::object::{DeviceObject, ObjectSource};
+use crate::render::passes::light_run::LightRun;
+use crate::render::passes::shade::{ShadePass, ShadedObject};
+use crate::render::source::BoundSource;
+use crate::scene::Light;
+use crate::vk::device::Device;
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Source and pass of an object under the lights of one illuminant.
+pub(super) struct ObjectShading {
+    /// Number of the object.
+    pub object: usize,
+    /// True for the default shading of the object, used for lights without a separate illuminant.
+    pub is_first: bool,
+    illuminant: Illuminant,
+    // White of the illuminant, linear sRGB.
+    white: Vec3,
+    pub source: BoundSource,
+    pass: ShadePass,
+    /// Variance of (u, v) of the specular order, if surroundings are read in the mirrored direction.
+    pub specular_spread: Option<f32>,
+}
+
+/// Returns the colour of a white diffuse surface under `illuminant`, linear sRGB.
+fn white_of(illuminant: &Illuminant) -> Vec3 {
+    color::xyz_to_linear_srgb(illuminant.white()).as_vec3()
+}
+
+/// Shadings of all objects, one or more for each.
+pub(super) struct Shadings {
+    /// In the order of the objects; at least one.
+    all: Vec<ObjectShading>,
+    /// True if the lights cast shadows.
+    shadows: bool,
+}
+
+impl Shadings {
+    /// Makes shadings without objects.
+    pub fn new(shadows: bool) -> Self {
+        Self { all: Vec::new(), shadows }
+    }
+
+    /// Adds the shadings of the next object, number `object`, from `sources`. They mirror a specular order of the
+    /// variance `spread`, if it is given, instead of that of the source.
+    pub fn add<'a>(
+        &mut self,
+        object: usize,
+        sources: impl IntoIterator<Item = (BoundSource, &'a Illuminant)>,
+        spread: Option<f64>,
+    ) {
+        let own = sources.into_iter().enumerate().map(|(place, (source, illuminant))| ObjectShading {
+            object,
+            is_first: place == 0,
+            illuminant: illuminant.clone(),
+            white: white_of(illuminant),
+            pass: ShadePass::default(),
+            specular_spread: spread.map(|spread| spread as f32).or(source.specular_spread),
+            source,
+        });
+        self.all.extend(own);
+    }
+
+    /// Returns the default source of the first object.
+    pub fn first_source(&self) -> &BoundSource {
+        &self.all[0].source
+    }
+
+    /// Iterates over the default shading of each object.
+    pub fn defaults(&self) -> impl Iterator<Item = &ObjectShading> {
+        self.all.iter().filter(|own| own.is_first)
+    }
+
+    /// Takes the data that depends on the index, the illuminant or the number of copies from `sources`.
+    ///
+    /// # Errors
+    /// Fails if the device is out of memory.
+    pub fn rebind<'a>(
+        &mut self,
+        device: &Arc<Device>,
+        sources: impl Iterator<Item = &'a ObjectSource>,
+    ) -> Result<()> {
+        for (own, ObjectSource { source, shading }) in self.all.iter_mut().zip(sources) {
+            source.rebind(device, &mut own.source, shading)?;
+            if own.illuminant != shading.illuminant {
+                own.illuminant.clone_from(&shading.illuminant);
+                own.white = white_of(&shading.illuminant);
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns `passes`, or passes of one light each if sums over wavelengths make a light long to draw.
+    pub fn bounded(&self, passes: Vec<LightPass>) -> Vec<LightPass> {
+        if self.all.iter().all(|own| own.source.parts(false) == 1) {
+            return passes;
+        }
+        passes.into_iter().flat_map(LightPass::each_light).collect()
+    }
+
+    /// Returns the number of parts of a pixel's sum in `pass` of `view`.
+    pub fn parts(&self, view: &View, pass: &LightPass) -> u32 {
+        let mirrors = self.mirrors(view, pass);
+        self.all.iter().map(|own| own.source.parts(mirrors)).max().unwrap_or(1)
+    }
+
+    /// Returns the largest number of loop iterations of a pixel in `pass` of `view`.
+    pub fn iterations(&self, view: &View, pass: &LightPass) -> usize {
+        let mirrors = self.mirrors(view, pass);
+        let of = |own: &ObjectShading| own.source.iterations_of_pixel(mirrors) * pass.lights;
+        self.all.iter().map(of).max().unwrap_or(0)
+    }
+
+    /// Returns true if the specular order of surroundings is reflected separately.
+    pub fn mirrors_surroundings(&self) -> bool {
+        self.all.iter().any(|own| own.specular_spread.is_some())
+    }
+
+    /// Returns true if `pass` of `view` mirrors surroundings.
+    fn mirrors(&self, view: &View, pass: &LightPass) -> bool {
+        pass.numbers().any(|light| self.run_of(view, light).mirrored)
+    }
+
+    /// Returns the run of light number `light` of `view` alone, the first of its pass.
+    pub fn run_of(&self, view: &View, light: usize) -> LightRun {
+        LightRun {
+            first: 0,
+            lights: 1,
+            mirrored: view.is_surroundings(light) && self.mirrors_surroundings(),
+            lamp: view.lights.get(light).is_some_and(Light::is_lamp),
+            shadows: self.shadows,
+        }
+    }
+
+    /// Makes the pipelines for the lights of `pass`, unless they are there already.
+    ///
+    /// # Errors
+    /// Fails if Vulkan reports an error.
+    pub fn prepare(
+        &mut self,
+        device: &Arc<Device>,
+        objects: &[DeviceObject],
+        settings: GBufferSettings,
+        (view, pass): (&View, &LightPass),
+    ) -> Result<()> {
+        let runs: Vec<_> = self.all.iter().map(|own| self.runs(view, pass, own)).collect();
+        for (own, runs) in self.all.iter_mut().zip(runs) {
+            let frame = &objects[own.object].frame.descriptors;
+            for lights in runs {
+                own.pass.prepare(device, lights, frame, &own.source, settings)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the draw calls of a `pass` of `view` on `objects`.
+    pub fn draws<'a>(
+        &'a self,
+        objects: &'a [DeviceObject],
+        view: &View,
+        pass: &LightPass,
+    ) -> Vec<ShadedObject<'a>> {
+        let mut draws = Vec::new();
+        for own in &self.all {
+            draws.extend(self.runs(view, pass, own).into_iter().map(|run| ShadedObject {
+                number: own.object,
+                object: &objects[own.object],
+                source: &own.source,
+                pass: &own.pass,
+                lights: run,
+                white: own.white,
+                counts: pass.is_first && run.first == 0,
+            }));
+        }
+        draws
+    }
+
+    /// Returns the lights of `pass` of `view` that `own` shades, as runs of consecutive lights of one kind.
+    fn runs(&self, view: &View, pass: &LightPass, own: &ObjectShading) -> Vec<LightRun> {
+        let mut runs: Vec<LightRun> = Vec::new();
+        for (place, light) in (0..).zip(pass.numbers()) {
+            if !self.shades(own, view.illuminant(light)) {
+                continue;
+            }
+            let alone = LightRun { first: place, ..self.run_of(view, light) };
+            match runs.last_mut() {
+                Some(run) if run.is_continued_by(alone) => run.lights += 1,
+                _ => runs.push(alone),
+            }
+        }
+        runs
+    }
+
+    /// Returns true if `own` shades its object under a light of this `illuminant`: it has the same illuminant, or it is
+    /// the object's default and no shading of the object matches.
+    fn shades(&self, own: &ObjectShading, illuminant: Option<&Illuminant>) -> bool {
+        let mut of_object = self.all.iter().filter(|other| other.object == own.object);
+        match illuminant {
+            Some(illuminant) if of_object.any(|other| other.illuminant == *illuminant) => {
+                *illuminant == own.illuminant
+            }
+            _ => own.is_first,
+        }
+    }
+}

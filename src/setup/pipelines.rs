@@ -1,0 +1,86 @@
+//! Compiled pipelines in the cache on disk: on a GPU, a start spends most of its time on compiling them.
+
+use crate::cache::{EntryFormat, Kept, Key, Payload, Store};
+use crate::error::Result;
+use crate::vk::device::Device;
+use serde::{Deserialize, Serialize};
+
+/// Largest size of the pipelines of a device \[bytes\], a hundred times that of all stages. A driver with more starts
+/// anew.
+const LARGEST: u64 = 64 << 20;
+
+/// Compiled pipelines of a device and its driver.
+pub struct Pipelines {
+    data: Vec<u8>,
+}
+
+/// Size of the data \[bytes\].
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PipelinesHeader {
+    bytes: usize,
+}
+
+impl Kept for Pipelines {
+    const FORMAT: EntryFormat = EntryFormat { name: "pipelines", version: 1 };
+    type Header = PipelinesHeader;
+
+    fn header(&self) -> PipelinesHeader {
+        PipelinesHeader { bytes: self.data.len() }
+    }
+
+    fn payload(&self) -> Vec<&[u8]> {
+        vec![&self.data]
+    }
+
+    fn build(header: PipelinesHeader, payload: &mut Payload<'_>) -> Option<Self> {
+        Some(Self { data: payload.take(header.bytes)? })
+    }
+}
+
+/// Returns the key of the pipelines of this version of the program on `device`.
+fn key(device: &Device) -> Result<Key> {
+    let candidate = device.candidate();
+    Key::of_settings(
+        &Pipelines::FORMAT,
+        &(&candidate.name, &candidate.driver, candidate.version, env!("CARGO_PKG_VERSION")),
+    )
+}
+
+/// Adds the pipelines that the cache keeps for `device` to it. Without them it compiles its own.
+pub fn load_pipelines(device: &Device) {
+    let Some(store) = Store::open() else { return };
+    let Ok(key) = key(device) else { return };
+    if let Some(Pipelines { data }) = store.load_kept(&key, LARGEST) {
+        let _ = device.add_pipelines(&data);
+    }
+}
+
+/// Keeps the pipelines of `device` in the cache, if there are more than it has. Failures are ignored: the next start
+/// compiles them again.
+pub fn keep_pipelines(device: &Device) {
+    let Some(store) = Store::open() else { return };
+    let (Ok(key), Ok(data)) = (key(device), device.pipeline_data()) else { return };
+    let known = store.load_kept::<Pipelines>(&key, LARGEST).map_or(0, |kept| kept.data.len());
+    if data.len() > known && data.len() as u64 <= LARGEST {
+        let _ = store.save_kept(&key, &Pipelines { data });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pipelines_are_kept_whole_and_those_of_another_driver_are_not_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::at(folder.path().join("cache"), 1 << 20);
+        let [key, other] =
+            ["driver 1", "driver 2"].map(|driver| Key::of_settings(&Pipelines::FORMAT, &driver).unwrap());
+        let data: Vec<u8> = (0..1000).map(|i| (i % 251) as u8).collect();
+        store.save_kept(&key, &Pipelines { data: data.clone() }).unwrap();
+        assert_eq!(store.load_kept::<Pipelines>(&key, LARGEST).unwrap().data, data);
+        assert!(store.load_kept::<Pipelines>(&other, LARGEST).is_none());
+        assert!(store.load_kept::<Pipelines>(&key, 999).is_none(), "more than the limit");
+    }
+}
