@@ -197,10 +197,10 @@ fn downsampled(below: &PyramidLevel<'_>, halved: [bool; 2], accuracy: Downsampli
         let (mut next, mut ratio) = (line, 1.0);
         if halved[axis] {
             // Variance of the blur of twice the distance of points, less that of the level below. The ratio is close to 2.
-            let own = below.grid.variance[axis] / (step * step);
-            let widest = (2.0 * accuracy.blur).powi(2) - own;
+            let variance_below = below.grid.variance[axis] / (step * step);
+            let widest = (2.0 * accuracy.blur).powi(2) - variance_below;
             (next, ratio) = line.halved(accuracy.reach * widest.sqrt());
-            blur = ((ratio * accuracy.blur).powi(2) - own).sqrt();
+            blur = ((ratio * accuracy.blur).powi(2) - variance_below).sqrt();
         }
         grid.lines[axis] = next;
         grid.step[axis] = step * ratio;

@@ -158,11 +158,11 @@ fn surroundings(ui: &mut Ui, placement: &mut Placement) {
 
 /// Shows the spectrum of a light and a list of others.
 fn spectrum(ui: &mut Ui, spectrum: &mut Option<LightSpectrum>) {
-    let is_built_in = |own: &LightSpectrum| own.file().is_none();
+    let is_built_in = |light_spectrum: &LightSpectrum| light_spectrum.file().is_none();
     let name = match spectrum {
         None => "λ".to_owned(),
-        Some(own) if is_built_in(own) => own.name().to_uppercase(),
-        Some(own) => short(own.name()).to_owned(),
+        Some(light_spectrum) if is_built_in(light_spectrum) => light_spectrum.name().to_uppercase(),
+        Some(light_spectrum) => short(light_spectrum.name()).to_owned(),
     };
     let mut chosen = None;
     let list = ui.menu_button(name, |ui| {
@@ -172,9 +172,9 @@ fn spectrum(ui: &mut Ui, spectrum: &mut Option<LightSpectrum>) {
             chosen = Some(None);
         }
         for name in BUILT_IN_SPECTRA {
-            let own = LightSpectrum::built_in(name);
-            if button(ui, own.is_some() && own == *spectrum, name.to_uppercase()) {
-                chosen = Some(own);
+            let choice = LightSpectrum::built_in(name);
+            if button(ui, choice.is_some() && choice == *spectrum, name.to_uppercase()) {
+                chosen = Some(choice);
             }
         }
         if chosen.is_some() {
