@@ -1,5 +1,5 @@
-//! Directions with footprints, their exact colours, and those of the table: by these numbers a table is judged, and whoever ports the reading function
-//! tests the port.
+//! Directions with footprints, their exact colours, and the colours of the table. The errors of a table are measured on them, and ports of the reading function
+//! are tested on them.
 
 use super::ExportSettings;
 use super::description::MeasuredErrors;
@@ -30,7 +30,8 @@ const COLUMNS: [&str; 16] = [
     "light_x", "light_y", "light_z", "viewer_x", "viewer_y", "viewer_z", "dx_u", "dx_v", "dy_u", "dy_v",
     "exact_r", "exact_g", "exact_b", "table_r", "table_g", "table_b",
 ];
-/// Part of the median colour below which a direction has no error of its own: between orders, and beyond what the samples hold, surfaces are dark.
+/// Smallest colour that a direction's error is relative to, as a part of the median colour: between orders, and beyond the band limit of the samples,
+/// surfaces are dark.
 const FAINT: f64 = 1e-2;
 /// Columns of a file of answers.
 const ANSWER: [&str; 3] = ["r", "g", "b"];

@@ -44,7 +44,7 @@ impl GridLine {
         usize::try_from(place).ok().filter(|&i| i < self.size)
     }
 
-    /// Returns about every second point, as far as a Gaussian that ends `reach` points away is not zero, and the ratio of the distances
+    /// Returns about every second point, up to `reach` points beyond the ends, where the Gaussian is cut off, and the ratio of the distances
     /// between points. A line that wraps around has a whole number of them.
     fn halved(&self, reach: f64) -> (Self, f64) {
         if self.wraps {
