@@ -86,9 +86,9 @@ Line line_of(float deviation, float tap, float most) {
     return Line(count, deviation * sqrt(norm / moment), fall, norm);
 }
 
-// Returns the taps of a footprint whose variance along the shorter axis is `own`.
-Taps taps_of(Ellipse ellipse, float own, Levels levels) {
-    float rest = max(own - levels.read, 0.0);
+// Returns the taps of a footprint whose variance along the shorter axis is `across`.
+Taps taps_of(Ellipse ellipse, float across, Levels levels) {
+    float rest = max(across - levels.read, 0.0);
     Taps taps = Taps(levels, ellipse.axis, ellipse.longer, 0.0, Line(1.0, 0.0, 0.0, 1.0), 1);
     if (levels.next > levels.read) {
         // `between_levels` of src/filter/taps.rs.

@@ -110,10 +110,10 @@ vec3 mirrored_radiance(SurfacePoint at, mat2x3 changes, Light light) {
         return vec3(0.0);
     }
     // Change of the mirrored direction in the world: that in the frame, less the rotation of the frame.
-    vec3 own = rotated(at.rotation, mirrored);
-    vec3 dx = vec3(-changes[0].xy, changes[0].z) - cross(at.curving_right, own);
-    vec3 dy = vec3(-changes[1].xy, changes[1].z) - cross(at.curving_down, own);
+    vec3 turned = rotated(at.rotation, mirrored);
+    vec3 dx = vec3(-changes[0].xy, changes[0].z) - cross(at.curving_right, turned);
+    vec3 dy = vec3(-changes[1].xy, changes[1].z) - cross(at.curving_down, turned);
     float spread = frame.at.footprint * frame.at.footprint * 0.5 * (dot(dx, dx) + dot(dy, dy));
     // A Gaussian in (u, v) is one of directions, wider by 1/cosine in the plane of incidence.
-    return radiance_toward(mirrored, sqrt(spread + frame.surroundings.w / max(own.z, 0.1))) * light.irradiance.w;
+    return radiance_toward(mirrored, sqrt(spread + frame.surroundings.w / max(turned.z, 0.1))) * light.irradiance.w;
 }

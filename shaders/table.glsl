@@ -75,11 +75,11 @@ vec3 table_scattered(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     Ellipse ellipse = ellipse_of(c);
     // A level averages over the shorter axis, as far as it is not wider, and taps over the rest.
-    float own = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
-    float level = min(level_of_ratio((own - source.finest) * source.per_growth + 1.0), source.last_level);
+    float across = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
+    float level = min(level_of_ratio((across - source.finest) * source.per_growth + 1.0), source.last_level);
     float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
     float next = level < source.last_level ? source.finest + (exp2(2.0 * level + 2.0) - 1.0) / source.per_growth : 0.0;
-    Taps taps = taps_of(ellipse, own, Levels(read, next, source.coherence));
+    Taps taps = taps_of(ellipse, across, Levels(read, next, source.coherence));
     Piece piece = piece_of(pair.w);
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
     float layer = float(TEXELS * piece.number);

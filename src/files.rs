@@ -41,14 +41,14 @@ impl Files {
         let mut outputs: Vec<(Identity, PathBuf)> = Vec::new();
         for path in &self.outputs {
             output::check(path)?;
-            let own = Identity::of(path);
-            if let Some((_, input)) = inputs.iter().find(|(input, _)| own.meets(input)) {
+            let identity = Identity::of(path);
+            if let Some((_, input)) = inputs.iter().find(|(input, _)| identity.meets(input)) {
                 return Err(refused(path, "is the input", input));
             }
-            if let Some((_, other)) = outputs.iter().find(|(other, _)| own.meets(other)) {
+            if let Some((_, other)) = outputs.iter().find(|(other, _)| identity.meets(other)) {
                 return Err(refused(path, "is the same file as the output", other));
             }
-            outputs.push((own, path.clone()));
+            outputs.push((identity, path.clone()));
         }
         Ok(())
     }

@@ -41,8 +41,8 @@ fn own_limits() -> Option<(String, String)> {
 fn available() -> Option<u64> {
     let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
     let group = group_available();
-    let own = own_limits().and_then(|(limits, status)| own_available(&limits, &status));
-    system.into_iter().chain(group).chain(own).min()
+    let process = own_limits().and_then(|(limits, status)| own_available(&limits, &status));
+    system.into_iter().chain(group).chain(process).min()
 }
 
 /// Returns the memory that the limits of this process' control groups leave beside its present memory \[bytes\]; `None` without a limit.

@@ -124,8 +124,8 @@ fn unnamed(folder: &Path, mode: u32) -> io::Result<File> {
 fn link(file: &File, path: &Path) -> io::Result<()> {
     use rustix::fs::{AtFlags, CWD, linkat};
     use std::os::fd::AsRawFd;
-    let own = format!("/proc/self/fd/{}", file.as_raw_fd());
-    Ok(linkat(CWD, own, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+    let descriptor = format!("/proc/self/fd/{}", file.as_raw_fd());
+    Ok(linkat(CWD, descriptor, CWD, path, AtFlags::SYMLINK_FOLLOW)?)
 }
 
 /// Gives `file` the permissions of `former`, and its owner and group if the system allows it.
@@ -133,12 +133,12 @@ fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::{MetadataExt, fchown};
-        let own = file.metadata()?;
+        let written = file.metadata()?;
         // Each separately: the group may be allowed if the owner is not.
-        if own.gid() != former.gid() {
+        if written.gid() != former.gid() {
             let _ = fchown(file, None, Some(former.gid()));
         }
-        if own.uid() != former.uid() {
+        if written.uid() != former.uid() {
             let _ = fchown(file, Some(former.uid()), None);
         }
     }

@@ -134,8 +134,8 @@ pub fn text_of(path: &Path) -> Option<String> {
         }
         PictureFormat::Exr => {
             let meta = exr::meta::MetaData::read_from_file(path, false).ok()?;
-            let own = &meta.headers.first()?.own_attributes;
-            let words = [&own.software_name, &own.comments];
+            let attributes = &meta.headers.first()?.own_attributes;
+            let words = [&attributes.software_name, &attributes.comments];
             Some(words.map(|text| text.as_ref().map(|text| text.to_string()).unwrap_or_default()).join("\n"))
         }
     }
@@ -263,9 +263,9 @@ mod tests {
             info.info().utf8_text.iter().map(|t| (t.keyword.clone(), t.get_text().unwrap())).collect();
         assert_eq!(said, notes().all());
         let meta = exr::meta::MetaData::read_from_file(&as_exr, false).unwrap();
-        let own = &meta.headers[0].own_attributes;
-        assert!(own.software_name.as_ref().unwrap().to_string().starts_with("diffract "));
-        let comments = own.comments.as_ref().unwrap().to_string();
+        let attributes = &meta.headers[0].own_attributes;
+        assert!(attributes.software_name.as_ref().unwrap().to_string().starts_with("diffract "));
+        let comments = attributes.comments.as_ref().unwrap().to_string();
         for path in [&as_png, &as_exr] {
             assert_eq!(note(path, "Surface").as_deref(), Some("a hash"));
             assert_eq!(note(path, "Sur"), None);

@@ -226,28 +226,58 @@ fn graph() -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
         .collect()
 }
 
-/// Comments begin with a verb or a noun: a question word in front is a sentence that says what a name says already.
-#[test]
-fn comments_begin_with_a_verb_or_a_noun() {
-    const AVOIDED: [&str; 7] = ["What", "Where", "Whether", "How", "Which", "Of", "As"];
+/// The files of `src/` and of the folders with shaders, each with its text.
+fn texts() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let in_folder =
         |name: &str| std::fs::read_dir(root.join(name)).unwrap().map(|entry| entry.unwrap().path());
     let shaders = ["shaders", "shaders/export", "assets/export"].into_iter().flat_map(in_folder);
     let files =
         sources().into_iter().map(|file| root.join("src").join(file)).chain(shaders.filter(|p| p.is_file()));
+    files.map(|file| (file.clone(), std::fs::read_to_string(&file).unwrap())).collect()
+}
+
+/// The lines of `text` with a comment that begins with a question word, and their numbers.
+fn questions(text: &str) -> Vec<(usize, &str)> {
+    const AVOIDED: [&str; 7] = ["What", "Where", "Whether", "How", "Which", "Of", "As"];
+    let begins = |line: &str| {
+        let comment = line.trim_start().strip_prefix("//")?;
+        let first = comment.trim_start_matches(['/', '!']).split_whitespace().next()?;
+        AVOIDED.contains(&first).then_some(())
+    };
+    (1..).zip(text.lines()).filter(|(_, line)| begins(line).is_some()).collect()
+}
+
+/// Counts `word` in `text`, as a word of letters alone.
+fn occurrences(text: &str, word: &str) -> usize {
+    text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|found| *found == word).count()
+}
+
+/// Comments begin with a verb or a noun: a question word in front is a sentence that says what a name says already.
+#[test]
+fn comments_begin_with_a_verb_or_a_noun() {
     let mut wrong = Vec::new();
-    for file in files {
-        let text = std::fs::read_to_string(&file).unwrap();
-        for (number, line) in text.lines().enumerate() {
-            let Some(comment) = line.trim_start().strip_prefix("//") else { continue };
-            let first = comment.trim_start_matches(['/', '!']).split_whitespace().next().unwrap_or_default();
-            if AVOIDED.contains(&first) {
-                wrong.push(format!("{}:{}: {}", file.display(), number + 1, line.trim()));
-            }
-        }
+    for (file, text) in texts() {
+        let found = questions(&text);
+        wrong.extend(found.iter().map(|(line, comment)| format!("{}:{line}: {comment}", file.display())));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The name `own` says neither whose a thing is nor what it is.
+#[test]
+fn things_have_names_of_what_they_are() {
+    const MOST_OWN: usize = 330;
+    let count: usize = texts().iter().map(|(_, text)| occurrences(text, "own")).sum();
+    assert!(count <= MOST_OWN, "`own` stands {count} times in src and shaders: say whose, or name the thing");
+}
+
+#[test]
+fn question_words_and_occurrences_are_found() {
+    let text = "/// Returns a.\n    // Where b is.\nlet what = 1; // What\n//! As c\n// own";
+    let lines: Vec<usize> = questions(text).iter().map(|(line, _)| *line).collect();
+    assert_eq!(lines, [2, 4]);
+    assert_eq!(occurrences("own, its own; own_rms known\n`own`", "own"), 3);
 }
 
 #[test]

@@ -195,7 +195,7 @@ commands >"$scratch/COMMANDS.md"
 if [ "$quick" = no ]; then
     cp "$scratch/COMMANDS.md" docs/COMMANDS.md
 elif ! diff docs/COMMANDS.md "$scratch/COMMANDS.md" >&2; then
-    echo 'book: docs/COMMANDS.md is not the help of the program; make book writes it' >&2
+    echo 'book: docs/COMMANDS.md is not the help of the program; tools/book.sh docs/COMMANDS.md writes it' >&2
     exit 1
 fi
 

@@ -209,9 +209,9 @@ mod tests {
                 let mut answers = MeanFromOrders::new(mean(&field), &Illuminant::D65, tolerance);
                 let found = answers.xyz(&pairs).unwrap();
                 let square = |(a, b): (&DVec3, &DVec3)| (*a - *b).length_squared() / b.length_squared();
-                let own = (found.iter().zip(&exact).map(square).sum::<f64>() / pairs.len() as f64).sqrt();
-                eprintln!("{tolerance:e}: {own:.1e}");
-                assert!(own <= tolerance, "{tolerance}: {own}");
+                let rms = (found.iter().zip(&exact).map(square).sum::<f64>() / pairs.len() as f64).sqrt();
+                eprintln!("{tolerance:e}: {rms:.1e}");
+                assert!(rms <= tolerance, "{tolerance}: {rms}");
             }
         }
     }

@@ -75,11 +75,11 @@ fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
     let mean = optics.windows() == Windows::All;
     let method = optics.picture_method();
     let with = |(method, tolerance)| {
-        let mut own = options.clone();
-        own.optics.method = Some(method);
-        own.optics.tolerance = Some(tolerance);
-        own.optics.basis = optics.basis.or((!mean).then_some(Basis::Optimal));
-        own
+        let mut tried = options.clone();
+        tried.optics.method = Some(method);
+        tried.optics.tolerance = Some(tolerance);
+        tried.optics.basis = optics.basis.or((!mean).then_some(Basis::Optimal));
+        tried
     };
     settings.into_iter().filter(|(known, _)| *known == method).map(with).collect()
 }
@@ -92,9 +92,9 @@ fn frame_rate(scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<f64>
 }
 
 /// Returns a setting as command line options.
-fn flags(own: &BenchmarkOptions) -> String {
-    let tolerance = format!("--tolerance {:e}", own.optics.tolerance());
-    match (own.optics.method(), own.optics.basis) {
+fn flags(options: &BenchmarkOptions) -> String {
+    let tolerance = format!("--tolerance {:e}", options.optics.tolerance());
+    match (options.optics.method(), options.optics.basis) {
         (Method::Spectral, Some(basis)) => format!("--method spectral --basis {} {tolerance}", basis.name()),
         (Method::Spectral, None) => format!("--method spectral {tolerance}"),
         _ => format!("--method table {tolerance}"),

@@ -22,10 +22,10 @@ pub fn own_command() -> String {
 
 /// Returns `notes` for picture number `frame` of a sequence, with the text `more` under the name `name`.
 pub fn notes_of_frame(notes: &Notes, frame: u32, name: &str, more: String) -> Notes {
-    let mut own = notes.clone();
-    own.command = command(std::env::args_os(), Some(frame));
-    own.more.push((name.to_owned(), more));
-    own
+    let mut noted = notes.clone();
+    noted.command = command(std::env::args_os(), Some(frame));
+    noted.more.push((name.to_owned(), more));
+    noted
 }
 
 /// Returns the command `words` (the program's name first), as a shell takes it, without the options that name results: the notes of a

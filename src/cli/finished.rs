@@ -44,8 +44,8 @@ impl SequenceOrigin {
             [hash(vertices), hash(indices)]
         };
         let meshes: Vec<_> = scene.meshes().map(mesh).collect();
-        let texture = |own: &ObjectTextures| {
-            let ObjectTextures { pigment, grooves } = own;
+        let texture = |object: &ObjectTextures| {
+            let ObjectTextures { pigment, grooves } = object;
             let map = hash(bytemuck::cast_slice(&grooves.texels));
             (pigment.size, hash(&pigment.texels), grooves.layout, grooves.turn, grooves.size, map)
         };
@@ -92,7 +92,7 @@ pub fn frame(path: &Path, note: &str) -> Result<KeptPicture> {
     if !path.exists() {
         return Ok(KeptPicture::Missing);
     }
-    if picture_file::note(path, NOTE).is_some_and(|own| own == note) {
+    if picture_file::note(path, NOTE).is_some_and(|found| found == note) {
         return Ok(if is_whole(path) { KeptPicture::Finished } else { KeptPicture::Damaged });
     }
     Err(Error::usage(

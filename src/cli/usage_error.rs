@@ -15,8 +15,8 @@ pub fn in_one_line(e: &clap::Error, command: &str) -> Error {
     };
     let argument = text(ContextKind::InvalidArg).unwrap_or_default();
     // Errors of our value parsers are ready; only the option's name is missing.
-    if let Some(own) = e.source().and_then(|source| source.downcast_ref::<Error>()) {
-        return own.clone().at(argument).or(see);
+    if let Some(cause) = e.source().and_then(|source| source.downcast_ref::<Error>()) {
+        return cause.clone().at(argument).or(see);
     }
     let what = match e.kind() {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand => {

@@ -57,7 +57,7 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
     let mut written = Scene {
         camera: settings.shown_camera(scene),
         lights: settings.lights.clone(),
-        environment: scene.environment.as_ref().map(|own| own.placed(settings.surroundings)),
+        environment: scene.environment.as_ref().map(|environment| environment.placed(settings.surroundings)),
         display: DisplaySettings {
             exposure: settings.exposure,
             auto_exposure: false,
@@ -128,20 +128,20 @@ impl Words {
 
     fn surface(&mut self, surface: &SurfaceSource, scene: &Scene) {
         let of_scene = scene.main_surface();
-        let own = surface.name == of_scene.name;
-        if !own {
+        let is_same = surface.name == of_scene.name;
+        if !is_same {
             self.option("surface", surface.name.to_string_lossy());
         }
-        if let Some([x, y]) = surface.pixel_size.filter(|p| !own || Some(*p) != of_scene.pixel_size) {
+        if let Some([x, y]) = surface.pixel_size.filter(|p| !is_same || Some(*p) != of_scene.pixel_size) {
             self.option("pixel-size", format!("{x}umx{y}um"));
         }
-        if let Some(height) = surface.height.filter(|h| !own || Some(*h) != of_scene.height) {
+        if let Some(height) = surface.height.filter(|h| !is_same || Some(*h) != of_scene.height) {
             self.option("height", format!("{height}um"));
         }
         if let Some(channel) = &surface.channel {
             self.option("channel", channel);
         }
-        let own_steps: &[PreparationStep] = if own { &of_scene.prepare } else { &[] };
+        let own_steps: &[PreparationStep] = if is_same { &of_scene.prepare } else { &[] };
         if surface.prepare != own_steps {
             // Without a step the scene's steps would stay.
             let none = [PreparationStep::Level(Levelling::None)];

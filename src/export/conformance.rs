@@ -1,5 +1,5 @@
-//! Directions with footprints, their exact colours, and those of the table: by these numbers a table is judged, and whoever ports the reading function
-//! tests the port.
+//! Directions with footprints, their exact colours, and the colours of the table. The errors of a table are measured on them, and ports of the reading function
+//! are tested on them.
 
 use super::ExportSettings;
 use super::description::MeasuredErrors;
@@ -30,7 +30,8 @@ const COLUMNS: [&str; 16] = [
     "light_x", "light_y", "light_z", "viewer_x", "viewer_y", "viewer_z", "dx_u", "dx_v", "dy_u", "dy_v",
     "exact_r", "exact_g", "exact_b", "table_r", "table_g", "table_b",
 ];
-/// Part of the median colour below which a direction has no error of its own: between orders, and beyond what the samples hold, surfaces are dark.
+/// Smallest colour that a direction's error is relative to, as a part of the median colour: between orders, and beyond the band limit of the samples,
+/// surfaces are dark.
 const FAINT: f64 = 1e-2;
 /// Columns of a file of answers.
 const ANSWER: [&str; 3] = ["r", "g", "b"];
@@ -188,14 +189,14 @@ impl PortErrors {
         let apart = |(found, expected): &(DVec3, DVec3)| finite((*found - *expected).length());
         let error: f64 = colours.iter().map(|pair| apart(pair).powi(2)).sum();
         let all: f64 = sizes.iter().map(|size| size * size).sum();
-        let own = |pair: &(DVec3, DVec3)| apart(pair) / pair.1.length().max(faintest);
-        let mut own: Vec<f64> = colours.iter().map(own).collect();
-        own.sort_by(f64::total_cmp);
-        let count = own.len().max(1);
+        let relative = |pair: &(DVec3, DVec3)| apart(pair) / pair.1.length().max(faintest);
+        let mut relative: Vec<f64> = colours.iter().map(relative).collect();
+        relative.sort_by(f64::total_cmp);
+        let count = relative.len().max(1);
         Self {
             relative_l2: (error / all.max(f64::MIN_POSITIVE)).sqrt(),
-            own_rms: (own.iter().map(|e| e * e).sum::<f64>() / count as f64).sqrt(),
-            own_p99: own.get((count * 99 / 100).min(count - 1)).copied().unwrap_or_default(),
+            own_rms: (relative.iter().map(|e| e * e).sum::<f64>() / count as f64).sqrt(),
+            own_p99: relative.get((count * 99 / 100).min(count - 1)).copied().unwrap_or_default(),
         }
     }
 
@@ -256,7 +257,7 @@ fn columns<const N: usize>(text: &str, names: [&str; N]) -> Result<Vec<[f64; N]>
     let header = reader.headers().map_err(fail)?.clone();
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(names) {
-        let found = header.iter().position(|own| own == name);
+        let found = header.iter().position(|title| title == name);
         *place = found.ok_or_else(|| bad(1, format!("there is no column {name}")))?;
     }
     let mut rows = Vec::new();

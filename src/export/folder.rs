@@ -53,7 +53,8 @@ pub fn check_target(folder: &Path) -> Result<()> {
 fn may_be_replaced(folder: &Path) -> bool {
     let Ok(entries) = fs::read_dir(folder) else { return false };
     let names: Vec<_> = entries.map(|entry| entry.map(|entry| entry.file_name())).collect();
-    let is_ours = |name: &std::ffi::OsString| *name == MATERIAL || DESCRIBED.iter().any(|own| name == own);
+    let is_ours =
+        |name: &std::ffi::OsString| *name == MATERIAL || DESCRIBED.iter().any(|entry| name == entry);
     let describes = |text: String| serde_json::from_str(&text).is_ok_and(|value| is_description(&value));
     names.is_empty()
         || names.iter().all(|name| name.as_ref().is_ok_and(is_ours))
@@ -71,7 +72,7 @@ fn draft_beside(folder: &Path) -> Result<tempfile::TempDir> {
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY);
-    // From which the umask takes away.
+    // The umask clears bits of this mode.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
     builder.tempdir_in(parent).map_err(|e| {

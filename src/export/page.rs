@@ -111,7 +111,7 @@ fn filled(template: &str, values: &[(&str, &str)]) -> String {
     let mut text = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
         let (name, after) = piece.split_once("}}").unwrap_or(("", piece));
-        text.push_str(values.iter().find(|(own, _)| *own == name).map_or("", |(_, value)| value));
+        text.push_str(values.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value));
         text.push_str(after);
     }
     text

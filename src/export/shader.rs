@@ -26,7 +26,7 @@ precision highp sampler2DArray;
 
 /// Textures of an export and the type of its numbers.
 const ACCESS: &str = include_str!("../../shaders/export/access.glsl");
-/// Shaders that the function consists of beside, each after what it needs.
+/// Further shaders that the function consists of, each after those that it calls.
 const PARTS: [&str; 5] = [
     include_str!("../../shaders/pair.glsl"),
     include_str!("../../shaders/footprint.glsl"),

@@ -71,13 +71,13 @@ fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
     let names = panel.marks.iter().filter_map(|(mark, name)| name.as_ref().map(|name| (mark, name)));
     let mut any = false;
     for (mark, name) in names {
-        let own = 2.0 * SAMPLE + GAP + width(name, TICK, Weight::Regular);
-        if any && x + own > area.right() {
+        let needed = 2.0 * SAMPLE + GAP + width(name, TICK, Weight::Regular);
+        if any && x + needed > area.right() {
             (x, y) = (area.at[0], y + TICK + GAP);
         }
         marks::sample(svg, mark, [x + SAMPLE, y + TICK * 0.6]);
         svg.text([x + 2.0 * SAMPLE + GAP, y + TICK], name, letters(TICK, INK, Anchor::Start), None);
-        x += own + 2.5 * GAP;
+        x += needed + 2.5 * GAP;
         any = true;
     }
     y + if any { TICK + 1.5 * GAP } else { 0.0 }

@@ -122,10 +122,10 @@ pub fn least_own(footprint: &Covariance, blur: f64) -> f64 {
 }
 
 impl Taps {
-    /// Places the taps of `footprint`, of which the variance `own` ≥ that of the level read is left to the shorter axis.
-    pub fn new(footprint: &Covariance, own: f64, levels: Levels) -> Self {
+    /// Places the taps of `footprint`, of which the variance `across` ≥ that of the level read is left to the shorter axis.
+    pub fn new(footprint: &Covariance, across: f64, levels: Levels) -> Self {
         let [longer, _] = footprint.axes();
-        let rest = (own - levels.read).max(0.0);
+        let rest = (across - levels.read).max(0.0);
         let (rows, count) = match levels.next.filter(|next| *next > levels.read) {
             Some(next) => Self::between(longer, rest, next, levels),
             None => Self::beyond(longer, rest, levels),
@@ -151,9 +151,9 @@ impl Taps {
 
     /// Makes up to three rows of the coarsest level.
     fn beyond(longer: f64, rest: f64, levels: Levels) -> ([Row; MOST_ASIDE], usize) {
-        let own = levels.read + levels.blur;
-        let aside = Line::new(rest.sqrt(), own.sqrt(), MOST_ASIDE);
-        let line = row(longer - levels.read, own);
+        let tap = levels.read + levels.blur;
+        let aside = Line::new(rest.sqrt(), tap.sqrt(), MOST_ASIDE);
+        let line = row(longer - levels.read, tap);
         let mut rows = [Row::default(); MOST_ASIDE];
         for (row, (aside, weight)) in rows.iter_mut().zip(aside.each()) {
             *row = Row { line, aside, weight, coarser: false };
@@ -285,10 +285,10 @@ mod tests {
                 assert_eq!(taps.count(), taps.each().count());
                 let (mut mean, mut along, mut across, mut norm) = (DVec2::ZERO, 0.0, 0.0, 0.0);
                 for Tap { place, weight, coarser } in taps.each() {
-                    let own = if coarser { 4.0 * read } else { read };
+                    let tap = if coarser { 4.0 * read } else { read };
                     mean += place * weight;
-                    along += weight * (place.dot(axis).powi(2) + own);
-                    across += weight * (place.dot(axis.perp()).powi(2) + own);
+                    along += weight * (place.dot(axis).powi(2) + tap);
+                    across += weight * (place.dot(axis.perp()).powi(2) + tap);
                     norm += weight;
                 }
                 assert!((norm - 1.0).abs() < 1e-12 && mean.length() < 1e-12);
@@ -312,12 +312,12 @@ mod tests {
         let round = Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 };
         assert_eq!(Taps::new(&round, 1e-4, at(1e-4)).count(), 1);
         let very_long = Covariance { uu: 1.0, uv: 0.0, vv: 1e-8 };
-        let own = least_own(&very_long, 0.0);
-        assert!(own > 1e-8 && least_own(&round, 0.0) < 1e-6);
-        let taps = Taps::new(&very_long, own, at(own));
+        let least = least_own(&very_long, 0.0);
+        assert!(least > 1e-8 && least_own(&round, 0.0) < 1e-6);
+        let taps = Taps::new(&very_long, least, at(least));
         assert!(taps.count() <= MOST_OF_ROW);
         let variance: f64 = taps.each().map(|tap| tap.weight * tap.place.x.powi(2)).sum();
-        assert!((variance + own - 1.0).abs() < 1e-9);
+        assert!((variance + least - 1.0).abs() < 1e-9);
     }
 
     #[test]

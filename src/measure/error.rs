@@ -40,16 +40,17 @@ impl PixelErrors {
         // Variance of a ratio of sums, from the residuals of its parts (Cochran, Sampling Techniques, 6.4).
         let residuals: f64 = squares.iter().map(|(d, s)| (d - ratio * s).powi(2)).sum();
         let deviation = if size > 0.0 { residuals.sqrt() / size } else { 0.0 };
-        let mut own: Vec<f64> = pairs().map(|(a, b)| (*a - *b).length() / b.length().max(floor)).collect();
-        own.sort_by(f64::total_cmp);
-        let last = own.len().saturating_sub(1);
-        let rms = (own.iter().map(|e| e * e).sum::<f64>() / own.len().max(1) as f64).sqrt();
+        let mut relative: Vec<f64> =
+            pairs().map(|(a, b)| (*a - *b).length() / b.length().max(floor)).collect();
+        relative.sort_by(f64::total_cmp);
+        let last = relative.len().saturating_sub(1);
+        let rms = (relative.iter().map(|e| e * e).sum::<f64>() / relative.len().max(1) as f64).sqrt();
         Self {
             pixels: picture.len().min(exact.len()),
             relative_l2: ratio.sqrt(),
             relative_l2_interval: if ratio > 0.0 { 1.96 * deviation / (2.0 * ratio.sqrt()) } else { 0.0 },
             relative_rms: rms,
-            p99: own.get((0.99 * last as f64).ceil() as usize).copied().unwrap_or(0.0),
+            p99: relative.get((0.99 * last as f64).ceil() as usize).copied().unwrap_or(0.0),
         }
     }
 }

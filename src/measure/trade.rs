@@ -142,14 +142,14 @@ pub fn advice(rows: &[Measurement]) -> String {
 /// Returns the best setting within `error`, at `fps`, or both: the fastest within the error, or the most accurate at
 /// the frame rate. If none satisfies both, names the nearest on either side.
 pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> String {
-    let own = || rows.iter().filter(|row| row.is_advisable());
+    let advisable = || rows.iter().filter(|row| row.is_advisable());
     let (error_kept, rate_kept) = (
         |row: &&Measurement| error.is_none_or(|e| row.relative_l2 <= e),
         |row: &&Measurement| fps.is_none_or(|f| row.fps() >= f),
     );
-    let fastest = own().filter(error_kept).min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
-    let finest = own().filter(rate_kept).min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2));
-    let both = own().filter(error_kept).filter(rate_kept);
+    let fastest = advisable().filter(error_kept).min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
+    let finest = advisable().filter(rate_kept).min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2));
+    let both = advisable().filter(error_kept).filter(rate_kept);
     // With a required frame rate, spare time is spent on accuracy; without one, the fastest is best.
     let best = match fps {
         Some(_) => both.min_by(|a, b| a.relative_l2.total_cmp(&b.relative_l2)),

@@ -62,8 +62,9 @@ impl Material {
     /// Fails if the file cannot be read, is no such table, does not cover 380 to 780 nm, or has values that no material has.
     pub fn from_name_or_file(name: impl AsRef<OsStr>) -> Result<Self> {
         let name = name.as_ref();
-        let known = |own: &str| {
-            name.eq_ignore_ascii_case(own) || own == "aluminium" && name.eq_ignore_ascii_case("aluminum")
+        let known = |known_name: &str| {
+            name.eq_ignore_ascii_case(known_name)
+                || known_name == "aluminium" && name.eq_ignore_ascii_case("aluminum")
         };
         if known("glass") {
             return Ok(Self::named("glass", Index::Sellmeier(BK7)));
@@ -71,8 +72,8 @@ impl Material {
         if known("keratin") {
             return Ok(Self::named("keratin", Index::Cauchy(KERATIN)));
         }
-        match TABLES.iter().find(|(own, _)| known(own)) {
-            Some((own, text)) => Self::from_text(own, text),
+        match TABLES.iter().find(|(known_name, _)| known(known_name)) {
+            Some((known_name, text)) => Self::from_text(known_name, text),
             None => Self::from_file(Path::new(name)),
         }
     }

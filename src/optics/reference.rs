@@ -265,8 +265,8 @@ impl Split {
 
     /// Multiplies each element by its counterpart in `other`.
     fn multiply(&mut self, other: &Self) {
-        let own = self.re.iter_mut().zip(&mut self.im);
-        for ((re, im), (c, s)) in own.zip(other.re.iter().zip(&other.im)) {
+        let parts = self.re.iter_mut().zip(&mut self.im);
+        for ((re, im), (c, s)) in parts.zip(other.re.iter().zip(&other.im)) {
             (*re, *im) = (*re * c - *im * s, *re * s + *im * c);
         }
     }

@@ -247,7 +247,11 @@ impl Illuminant {
     pub fn built_in(name: impl AsRef<OsStr>) -> Option<Self> {
         let name = name.as_ref();
         let known = [Self::D65, Self::A, Self::E, Self::Led];
-        BUILT_IN.into_iter().zip(known).find(|(own, _)| name.eq_ignore_ascii_case(own)).map(|(_, own)| own)
+        BUILT_IN
+            .into_iter()
+            .zip(known)
+            .find(|(known_name, _)| name.eq_ignore_ascii_case(known_name))
+            .map(|(_, known_name)| known_name)
     }
 
     /// Returns the name of a built-in illuminant, or the file of a user's.

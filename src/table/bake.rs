@@ -124,9 +124,9 @@ fn choose_grid(effective_orders: f64, settings: &TableSettings, blur: f64, layer
         let spacing = (settings.budget.reading * averaging / LINEAR_ERROR).sqrt().min(MOST_SPACING);
         TableGrid::new(spacing * blur.sqrt(), settings.finest, blur.sqrt())
     };
-    let own = (effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.budget.averaging.max(1.0));
-    let over_room = grid(own).bytes(layers) as f64 / ROOM;
-    grid((own * over_room.max(1.0)).min(settings.budget.most_averaging.max(own)))
+    let averaged = (effective_orders / UNAVERAGED).sqrt().clamp(1.0, settings.budget.averaging.max(1.0));
+    let over_room = grid(averaged).bytes(layers) as f64 / ROOM;
+    grid((averaged * over_room.max(1.0)).min(settings.budget.most_averaging.max(averaged)))
 }
 
 /// Largest spacing of texels in standard deviations of the blur. Errors grow as the squared spacing up to here, and much faster beyond: a

@@ -37,8 +37,8 @@ impl TableGrid {
         let side = exact.next_multiple_of(1 << (levels - 1)).max(FEWEST);
         // A blur to the next level of at least this many of the finest texels removes everything that half as many texels cannot hold.
         const LEAST_GROWTH: f64 = 0.75;
-        let own = 2.0 * REACH / side as f64;
-        Self { side, levels, extent: REACH, finest, growth: blur.max(LEAST_GROWTH * own) }
+        let distance = 2.0 * REACH / side as f64;
+        Self { side, levels, extent: REACH, finest, growth: blur.max(LEAST_GROWTH * distance) }
     }
 
     /// Returns the distance between the texels of `level`.

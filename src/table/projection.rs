@@ -126,7 +126,7 @@ impl ColourSamples {
             places.into_iter().enumerate().map(|(i, place)| row(i, place, reader, settings))
         };
         let [made_for, judged] = [made_for, judged].map(|places| all(rows(places).collect()));
-        let dark = DARK * judged.iter().map(|own| own.largest).sum::<f64>() / judged.len() as f64;
+        let dark = DARK * judged.iter().map(|colour| colour.largest).sum::<f64>() / judged.len() as f64;
         Self { made_for, judged, dark }
     }
 
@@ -135,12 +135,13 @@ impl ColourSamples {
         let count = self.made_for[0].series.len();
         let polynomials: Vec<Vec<f64>> =
             nodes_of_pieces(pieces).into_iter().map(|w| polynomials_at(w, count)).collect();
-        let values: Vec<Vec<Vec4>> = self.made_for.iter().map(|own| own.at_nodes(&polynomials)).collect();
+        let values: Vec<Vec<Vec4>> =
+            self.made_for.iter().map(|colour| colour.at_nodes(&polynomials)).collect();
         let mut basis = ColorBasis { pieces, components, cubics: Vec::new() };
         let mut from_nodes = Vec::new();
         for piece in 0..pieces {
             let start = LARGEST_W * piece as f64 / pieces as f64;
-            let reached = self.made_for.iter().zip(&values).filter(|(own, _)| own.largest_w > start);
+            let reached = self.made_for.iter().zip(&values).filter(|(colour, _)| colour.largest_w > start);
             let columns = reached.map(|(_, values)| relative(values, piece, pieces, self.dark)).collect();
             let principal = Svd::of(columns).u;
             for k in 0..components {
@@ -149,10 +150,10 @@ impl ColourSamples {
                 basis.cubics.push(to_xyz(&srgb).map(cubic_through));
             }
         }
-        let mut own = Projection { basis, error: 0.0, from_nodes };
-        let each = self.judged.iter().map(|judged| own.error_at(judged, &polynomials, self.dark));
-        own.error = each.fold(JudgedError::default(), JudgedError::plus).largest();
-        own
+        let mut made = Projection { basis, error: 0.0, from_nodes };
+        let each = self.judged.iter().map(|judged| made.error_at(judged, &polynomials, self.dark));
+        made.error = each.fold(JudgedError::default(), JudgedError::plus).largest();
+        made
     }
 }
 
@@ -160,7 +161,7 @@ impl ColourSamples {
 #[derive(Clone, Copy, Default)]
 struct JudgedError {
     // Errors relative to each colour, weighted by |w|: a picture shows less of a surface that is seen from the side.
-    own: f64,
+    relative: f64,
     weights: f64,
     // Errors of colours as in pictures, and the colours.
     shown: f64,
@@ -170,7 +171,7 @@ struct JudgedError {
 impl JudgedError {
     fn plus(self, other: Self) -> Self {
         Self {
-            own: self.own + other.own,
+            relative: self.relative + other.relative,
             weights: self.weights + other.weights,
             shown: self.shown + other.shown,
             exact: self.exact + other.exact,
@@ -180,7 +181,7 @@ impl JudgedError {
     /// Returns the larger of the RMS of the relative errors of single colours and of the relative L2 error of colours in pictures.
     fn largest(&self) -> f64 {
         let part = |error: f64, of: f64| if of > 0.0 { (error / of).sqrt() } else { 0.0 };
-        part(self.own, self.weights).max(part(self.shown, self.exact))
+        part(self.relative, self.weights).max(part(self.shown, self.exact))
     }
 }
 
@@ -200,7 +201,7 @@ impl Projection {
             // Beside the specular direction, f cos θ_i is w³ times the colour up to constants.
             let shown = w * w.powi(3).powi(2);
             JudgedError {
-                own: if least > 0.0 { w * off / least } else { 0.0 },
+                relative: if least > 0.0 { w * off / least } else { 0.0 },
                 weights: w,
                 shown: shown * off,
                 exact: shown * size,
@@ -230,7 +231,8 @@ impl PlaceColours {
 
     /// Returns XYZ at the nodes with these `polynomials`, `[channel][piece]`.
     fn at_nodes(&self, polynomials: &[Vec<f64>]) -> Vec<Vec4> {
-        let values: Vec<DVec3> = polynomials.iter().map(|own| sum_of(&self.series, own)).collect();
+        let values: Vec<DVec3> =
+            polynomials.iter().map(|polynomial| sum_of(&self.series, polynomial)).collect();
         let channel = |channel: usize| {
             let (fours, _) = values.as_chunks::<NODES>();
             fours.iter().map(move |four| Vec4::from_array(four.map(|value| value[channel] as f32)))

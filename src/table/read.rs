@@ -26,11 +26,12 @@ impl<'a> TableReader<'a> {
         let header = &self.table.header;
         let [_, shorter] = footprint.axes();
         let grid = &header.grid;
-        let own = shorter.max(grid.finest.powi(2)).max(filter::least_own(footprint, header.coherence_blur));
-        let level = grid.level(own) as usize;
+        let across =
+            shorter.max(grid.finest.powi(2)).max(filter::least_own(footprint, header.coherence_blur));
+        let level = grid.level(across) as usize;
         let next = (level + 1 < grid.levels).then(|| grid.variance(level + 1));
         let levels = Levels { read: grid.variance(level), next, blur: header.coherence_blur };
-        (level, Taps::new(footprint, own, levels))
+        (level, Taps::new(footprint, across, levels))
     }
 
     /// Returns XYZ of f cos θ_i \[sr⁻¹\] of one pair, averaged over `footprint`, on a surface that reflects by `reflectance`. A table that was

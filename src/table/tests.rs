@@ -49,13 +49,13 @@ fn pairs(count: usize, seed: u64) -> Vec<Pair> {
 
 /// Returns the relative L2 error and the RMS of the relative errors of single colours.
 fn errors(colours: &[DVec3], exact: &[DVec3]) -> (f64, f64) {
-    let (mut error, mut energy, mut own) = (0.0, 0.0, 0.0);
+    let (mut error, mut energy, mut each) = (0.0, 0.0, 0.0);
     for (a, b) in colours.iter().zip(exact) {
         error += (*a - *b).length_squared();
         energy += b.length_squared();
-        own += (*a - *b).length_squared() / b.length_squared().max(1e-30);
+        each += (*a - *b).length_squared() / b.length_squared().max(1e-30);
     }
-    ((error / energy).sqrt(), (own / exact.len() as f64).sqrt())
+    ((error / energy).sqrt(), (each / exact.len() as f64).sqrt())
 }
 
 /// Returns settings whose basis may err by `basis`.
@@ -126,8 +126,8 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
         let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
         let colours: Vec<DVec3> =
             pairs.iter().map(|pair| reader.xyz(pair, &IOR.into(), &footprint)).collect();
-        let (l2, own) = errors(&colours, &exact);
-        eprintln!("{footprint:?}: L2 {l2:.1e}, own {own:.1e}");
+        let (l2, each) = errors(&colours, &exact);
+        eprintln!("{footprint:?}: L2 {l2:.1e}, each {each:.1e}");
         assert!(l2 <= tolerance, "{footprint:?}: {l2}");
     }
 }
@@ -144,7 +144,7 @@ fn errors_elsewhere(
     let w: Vec<f64> = (0..30).map(|i| 0.03 + 0.065 * f64::from(i)).collect();
     let exact = Sums::at(reader, spectrum, w.clone());
     let (mut scratch, mut random) = (Scratch::default(), Random::new(7));
-    let (mut error, mut energy, mut own, mut weights) = (0.0, 0.0, 0.0, 0.0);
+    let (mut error, mut energy, mut each, mut weights) = (0.0, 0.0, 0.0, 0.0);
     for _ in 0..300 {
         let place = DVec2::from_angle(2.0 * PI * random.share()) * 1.9 * random.share();
         let mut numbers = Vec::new();
@@ -161,11 +161,11 @@ fn errors_elsewhere(
             let off = (found - exact).length_squared();
             error += off;
             energy += exact.length_squared();
-            own += w * off / exact.length_squared();
+            each += w * off / exact.length_squared();
             weights += w;
         }
     }
-    ((error / energy).sqrt(), (own / weights).sqrt())
+    ((error / energy).sqrt(), (each / weights).sqrt())
 }
 
 #[test]
@@ -178,14 +178,14 @@ fn a_basis_errs_by_what_it_says_and_a_larger_one_by_less() {
         let settings = with_basis(error);
         let spectrum = DirectionWavelengths::new(&series, &settings);
         let projection = Projection::choose(&reader, &spectrum, &settings).unwrap();
-        let (l2, own) = errors_elsewhere(&projection, &reader, &spectrum);
+        let (l2, each) = errors_elsewhere(&projection, &reader, &spectrum);
         let ColorBasis { pieces, components: own_components, .. } = projection.basis;
         eprintln!(
-            "{error}: {pieces} pieces of {own_components}, {:.1e} expected, L2 {l2:.1e}, own {own:.1e}",
+            "{error}: {pieces} pieces of {own_components}, {:.1e} expected, L2 {l2:.1e}, each {each:.1e}",
             projection.error
         );
-        assert!(projection.error <= error && own < 1.5 * error && l2 < 1.5 * error, "{own}, {l2}");
-        assert!(own > 0.1 * projection.error, "it says too much: {own}");
+        assert!(projection.error <= error && each < 1.5 * error && l2 < 1.5 * error, "{each}, {l2}");
+        assert!(each > 0.1 * projection.error, "it says too much: {each}");
         components.push(own_components);
     }
     assert!(components[0] < components[2], "a larger tolerance reads less: {components:?}");

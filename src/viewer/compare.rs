@@ -99,9 +99,10 @@ impl Compare {
 /// Returns the setting to compare with until the user changes it. For a colour table this is a table of three tenths of
 /// the tolerance: one of a tenth takes a gigabyte for the default scene. For one window it is a tenth of the tolerance
 /// with the most accurate basis.
-pub fn strict(own: &Optics) -> Optics {
-    let (share, least) = if own.windows == Windows::All { (0.3, LEAST_TABLE_TOLERANCE) } else { (0.1, 1e-4) };
-    optimal(own, (share * own.tolerance).max(least))
+pub fn strict(optics: &Optics) -> Optics {
+    let (share, least) =
+        if optics.windows == Windows::All { (0.3, LEAST_TABLE_TOLERANCE) } else { (0.1, 1e-4) };
+    optimal(optics, (share * optics.tolerance).max(least))
 }
 
 /// Footprints assumed for the first colours of a picture, whatever its view: four times the blur by the coherence of
@@ -110,29 +111,29 @@ pub fn strict(own: &Optics) -> Optics {
 pub const PREVIEWED: FootprintSizes = FootprintSizes { shorter: 0.016, longer: 0.06 };
 
 /// Returns the setting for the first colours of a picture; `None` if the given one is as fast to prepare.
-pub fn preview(own: &Optics) -> Option<Optics> {
+pub fn preview(optics: &Optics) -> Option<Optics> {
     /// Accurate enough to recognise the colours, in a small fraction of the usual time.
     const TOLERANCE: f64 = 0.3;
-    (own.tolerance < TOLERANCE).then(|| optimal(own, TOLERANCE))
+    (optics.tolerance < TOLERANCE).then(|| optimal(optics, TOLERANCE))
 }
 
 /// Returns the setting for moving pictures: ten times the tolerance.
-pub fn coarse(own: &Optics) -> Optics {
-    optimal(own, loose(own))
+pub fn coarse(optics: &Optics) -> Optics {
+    optimal(optics, loose(optics))
 }
 
 /// Returns the factor on the tolerance of the sum over wavelengths in moving pictures; `None` if the setting is loose
 /// already.
-pub fn looser_colours(own: &Optics) -> Option<f64> {
-    Some(loose(own) / own.tolerance).filter(|&factor| factor > 1.5)
+pub fn looser_colours(optics: &Optics) -> Option<f64> {
+    Some(loose(optics) / optics.tolerance).filter(|&factor| factor > 1.5)
 }
 
-fn loose(own: &Optics) -> f64 {
-    (own.tolerance * 10.0).clamp(1e-1, 3e-1)
+fn loose(optics: &Optics) -> f64 {
+    (optics.tolerance * 10.0).clamp(1e-1, 3e-1)
 }
 
-fn optimal(own: &Optics, tolerance: f64) -> Optics {
-    Optics { basis: Basis::Optimal, tolerance, terms: None, wavelengths: None, ..own.clone() }
+fn optimal(optics: &Optics, tolerance: f64) -> Optics {
+    Optics { basis: Basis::Optimal, tolerance, terms: None, wavelengths: None, ..optics.clone() }
 }
 
 #[cfg(test)]
@@ -165,18 +166,18 @@ mod tests {
     #[test]
     fn the_compared_setting_is_stricter_and_the_moving_picture_looser() {
         for tolerance in [1e-3, 1e-2, 5e-2] {
-            let own = Optics {
+            let optics = Optics {
                 windows: Windows::ONE,
                 basis: Basis::Taylor,
                 tolerance,
                 terms: Some(5),
                 ..Optics::default()
             };
-            assert!(strict(&own).tolerance < tolerance && coarse(&own).tolerance > tolerance);
-            let first = preview(&own).unwrap();
-            assert!(first.tolerance >= coarse(&own).tolerance);
+            assert!(strict(&optics).tolerance < tolerance && coarse(&optics).tolerance > tolerance);
+            let first = preview(&optics).unwrap();
+            assert!(first.tolerance >= coarse(&optics).tolerance);
             assert_eq!(preview(&first), None);
-            assert_eq!((strict(&own).terms, strict(&own).windows), (None, own.windows));
+            assert_eq!((strict(&optics).terms, strict(&optics).windows), (None, optics.windows));
         }
     }
 }

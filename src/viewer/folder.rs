@@ -36,16 +36,16 @@ pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     }
     files.sort_by(|a, b| by_name(&name(a), &name(b)));
     let of = files.len();
-    let own = name(file);
+    let shown_name = name(file);
     // If `file` itself is gone, its position is the one it would have.
-    let before = files.iter().take_while(|other| by_name(&name(other), &own).is_lt()).count();
-    let is_there = files.get(before).is_some_and(|other| name(other) == own);
+    let before = files.iter().take_while(|other| by_name(&name(other), &shown_name).is_lt()).count();
+    let is_there = files.get(before).is_some_and(|other| name(other) == shown_name);
     let place = match step {
         StepDirection::Forward => before + usize::from(is_there),
         StepDirection::Back => before + of.max(1) - 1,
     };
     match files.into_iter().nth(place % of.max(1)) {
-        Some(path) if name(&path) != own => Ok(Neighbour { path, number: place % of + 1, of }),
+        Some(path) if name(&path) != shown_name => Ok(Neighbour { path, number: place % of + 1, of }),
         _ => Err(Error::failed("the folder has no other height field", "open another file")),
     }
 }

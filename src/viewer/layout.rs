@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn another_surface_is_compared_with_and_levelled_alone() {
         let mut hand = Hand::new(LARGE, 1.0);
-        let own = hand.model.settings.clone();
+        let before = hand.model.settings.clone();
         hand.press("split");
         hand.press("same");
         hand.press("xenopeltis");
@@ -331,7 +331,7 @@ mod tests {
             (other.name.to_str(), other.level()),
             (Some("xenopeltis"), crate::surface::Levelling::Plane)
         );
-        assert_eq!(hand.model.settings, own, "the picture's own surface stays");
+        assert_eq!(hand.model.settings, before, "the picture's own surface stays");
         hand.press("xenopeltis");
         hand.press("same");
         assert_eq!(hand.model.comparison.surface, None);

@@ -129,13 +129,13 @@ fn surface(ui: &mut Ui, pane: &mut SurfacePane, analysis: &Arc<Analysis>, pointe
         Some(Pointed::Place(place)) => along(&heights, line, place),
         _ => None,
     };
-    let own = response.hover_pos().map(|at| axes.point(at)[0].clamp(0.0, length));
-    if let Some(distance) = own {
+    let hovered = response.hover_pos().map(|at| axes.point(at)[0].clamp(0.0, length));
+    if let Some(distance) = hovered {
         let part = distance / length;
         *pointed =
             Some(Pointed::Place([0, 1].map(|axis| line[0][axis] + part * (line[1][axis] - line[0][axis]))));
     }
-    let text = match own.or(at) {
+    let text = match hovered.or(at) {
         Some(distance) => {
             let part = distance / length;
             let place = [0, 1].map(|axis| line[0][axis] + part * (line[1][axis] - line[0][axis]));

@@ -99,8 +99,8 @@ impl RequestQueue {
             }
             // The main setting is begun before its preview, because it may be in the cache; otherwise it gives way at
             // its first step.
-            let own = requests[Role::Own as usize].take_if(|waiting| !waiting.begun);
-            if let Some(waiting) = own.or_else(|| requests.iter_mut().find_map(Option::take)) {
+            let foremost = requests[Role::Own as usize].take_if(|waiting| !waiting.begun);
+            if let Some(waiting) = foremost.or_else(|| requests.iter_mut().find_map(Option::take)) {
                 return Some(waiting.request);
             }
             requests = self.changed.wait(requests).unwrap_or_else(PoisonError::into_inner);
@@ -267,7 +267,10 @@ impl Preparer {
     ) -> Result<Vec<ObjectSources>> {
         let scene = &picture.loaded.scene;
         let mut known = std::mem::take(&mut self.of_objects);
-        let mut load = |surface: &SurfaceSource| match known.iter().find(|(own, _)| own == surface) {
+        let mut load = |surface: &SurfaceSource| match known
+            .iter()
+            .find(|(known_surface, _)| known_surface == surface)
+        {
             Some((_, field)) => Ok(field.clone()),
             None => {
                 let field = Arc::new(surface.load()?);
@@ -401,8 +404,8 @@ mod tests {
                 WorkerReply::Progress { .. } | WorkerReply::Field(_) => {}
             }
         }
-        let own: Vec<u64> = ready.iter().filter(|r| r.0 == Role::Own).map(|r| r.1).collect();
-        assert!(own.is_sorted(), "{own:?}");
+        let numbers: Vec<u64> = ready.iter().filter(|r| r.0 == Role::Own).map(|r| r.1).collect();
+        assert!(numbers.is_sorted(), "{numbers:?}");
         worker.request(request(Role::Own, 7, "nothing.png", 0.1));
         let refused = reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
         assert!(matches!(refused, WorkerReply::Failed(Role::Own, 7, _)));

@@ -38,7 +38,7 @@ impl Commands {
     /// # Errors
     /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>, name: &str) -> Result<Self> {
-        let mut own = Self {
+        let mut made = Self {
             raw: vk::CommandBuffer::null(),
             pool: vk::CommandPool::null(),
             fence: vk::Fence::null(),
@@ -47,20 +47,20 @@ impl Commands {
         };
         let failed = |c| failure("make a command buffer", c);
         let pool = vk::CommandPoolCreateInfo::default().queue_family_index(device.queue_family());
-        // SAFETY: the device is live; if a later call fails, the drop of `own` frees the handles.
+        // SAFETY: the device is live; if a later call fails, the drop of `made` frees the handles.
         unsafe {
-            own.pool = device.raw().create_command_pool(&pool, None).map_err(failed)?;
+            made.pool = device.raw().create_command_pool(&pool, None).map_err(failed)?;
             let request = vk::CommandBufferAllocateInfo::default()
-                .command_pool(own.pool)
+                .command_pool(made.pool)
                 .level(vk::CommandBufferLevel::PRIMARY)
                 .command_buffer_count(1);
-            own.raw = device.raw().allocate_command_buffers(&request).map_err(failed)?[0];
-            own.fence = device.raw().create_fence(&vk::FenceCreateInfo::default(), None).map_err(failed)?;
+            made.raw = device.raw().allocate_command_buffers(&request).map_err(failed)?[0];
+            made.fence = device.raw().create_fence(&vk::FenceCreateInfo::default(), None).map_err(failed)?;
         }
-        device.name(own.raw, name);
-        device.name(own.pool, &format!("{name} pool"));
-        device.name(own.fence, &format!("{name} fence"));
-        Ok(own)
+        device.name(made.raw, name);
+        device.name(made.pool, &format!("{name} pool"));
+        device.name(made.fence, &format!("{name} fence"));
+        Ok(made)
     }
 
     /// Records with `record`, submits, and waits until the device has finished.
@@ -280,13 +280,17 @@ impl Recorder<'_> {
         unsafe { self.device.cmd_copy_image_to_buffer(self.raw, from.raw(), layout, to.raw(), &regions) };
     }
 
-    /// Binds a pipeline and its descriptor sets, set 0 first.
+    /// Binds a pipeline and its descriptor sets, set 0 first, or a pipeline without sets.
     pub fn bind(&self, pipeline: &Pipeline, sets: &[&Descriptors]) {
         self.events.note(|| RecordedEvent::Bound(sets.iter().flat_map(|set| set.accesses()).collect()));
         let sets: Vec<_> = sets.iter().map(|set| set.set()).collect();
+        // SAFETY: recording is open.
+        unsafe { self.device.cmd_bind_pipeline(self.raw, pipeline.bind_point(), pipeline.raw()) };
+        if sets.is_empty() {
+            return;
+        }
         // SAFETY: recording is open; the sets were made for this pipeline's layout and all they point to is live.
         unsafe {
-            self.device.cmd_bind_pipeline(self.raw, pipeline.bind_point(), pipeline.raw());
             self.device.cmd_bind_descriptor_sets(
                 self.raw,
                 pipeline.bind_point(),

@@ -62,7 +62,7 @@ impl Descriptors {
             .iter()
             .map(|b| vk::DescriptorPoolSize::default().ty(b.kind).descriptor_count(1))
             .collect();
-        let mut own = Self {
+        let mut made = Self {
             set: vk::DescriptorSet::null(),
             layout: vk::DescriptorSetLayout::null(),
             pool: vk::DescriptorPool::null(),
@@ -72,22 +72,22 @@ impl Descriptors {
         };
         let failed = |c| failure("make a descriptor set", c);
         // SAFETY: the device is live, the create structures complete and alive through each call; if a later call
-        // fails, the drop of `own` frees the handles.
+        // fails, the drop of `made` frees the handles.
         unsafe {
             let raw = device.raw();
             let layout = vk::DescriptorSetLayoutCreateInfo::default().bindings(&rows);
-            own.layout = raw.create_descriptor_set_layout(&layout, None).map_err(failed)?;
+            made.layout = raw.create_descriptor_set_layout(&layout, None).map_err(failed)?;
             let pool = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
-            own.pool = raw.create_descriptor_pool(&pool, None).map_err(failed)?;
-            let layouts = [own.layout];
+            made.pool = raw.create_descriptor_pool(&pool, None).map_err(failed)?;
+            let layouts = [made.layout];
             let request =
-                vk::DescriptorSetAllocateInfo::default().descriptor_pool(own.pool).set_layouts(&layouts);
-            own.set = raw.allocate_descriptor_sets(&request).map_err(failed)?[0];
+                vk::DescriptorSetAllocateInfo::default().descriptor_pool(made.pool).set_layouts(&layouts);
+            made.set = raw.allocate_descriptor_sets(&request).map_err(failed)?[0];
         }
-        device.name(own.layout, &format!("{name} layout"));
-        device.name(own.pool, &format!("{name} pool"));
-        device.name(own.set, name);
-        Ok(own)
+        device.name(made.layout, &format!("{name} layout"));
+        device.name(made.pool, &format!("{name} pool"));
+        device.name(made.set, name);
+        Ok(made)
     }
 
     /// Binds a whole buffer that shaders read to `number`.

@@ -197,17 +197,17 @@ impl Pipeline {
         sets: &[&Descriptors],
         push_bytes: u32,
     ) -> Result<Self> {
-        let mut own = Self::empty(device, sets, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
+        let mut made = Self::empty(device, sets, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
         let module = Module::new(device, code)?;
         let constants = module.specialization();
         let info = vk::ComputePipelineCreateInfo::default()
             .stage(module.stage(vk::ShaderStageFlags::COMPUTE, &constants))
-            .layout(own.layout);
+            .layout(made.layout);
         // SAFETY: module and layout are live and agree with the shader's declarations.
-        own.raw = unsafe { device.raw().create_compute_pipelines(device.pipelines(), &[info], None) }
+        made.raw = unsafe { device.raw().create_compute_pipelines(device.pipelines(), &[info], None) }
             .map_err(|(_, c)| failure(&format!("make the pipeline of {}", code.name), c))?[0];
-        own.named(code.name);
-        Ok(own)
+        made.named(code.name);
+        Ok(made)
     }
 
     /// Makes a graphics pipeline over `sets`, set 0 first, with dynamic viewport and scissor. Without `fragment` it
@@ -259,7 +259,7 @@ impl Pipeline {
         push_bytes: u32,
         blend: vk::PipelineColorBlendAttachmentState,
     ) -> Result<Self> {
-        let mut own = Self::empty(device, sets, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
+        let mut made = Self::empty(device, sets, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
         let vertex_module = Module::new(device, vertex)?;
         let fragment_module = fragment.map(|code| Module::new(device, code)).transpose()?;
         let vertex_constants = vertex_module.specialization();
@@ -316,13 +316,13 @@ impl Pipeline {
             .depth_stencil_state(&depth)
             .color_blend_state(&blend)
             .dynamic_state(&dynamic)
-            .layout(own.layout)
+            .layout(made.layout)
             .push_next(&mut rendering);
         // SAFETY: modules, layout and every state structure are live through the call and agree with the shaders.
-        own.raw = unsafe { device.raw().create_graphics_pipelines(device.pipelines(), &[info], None) }
+        made.raw = unsafe { device.raw().create_graphics_pipelines(device.pipelines(), &[info], None) }
             .map_err(|(_, c)| failure(&format!("make the pipeline of {}", vertex.name), c))?[0];
-        own.named(fragment.map_or(vertex.name, |code| code.name));
-        Ok(own)
+        made.named(fragment.map_or(vertex.name, |code| code.name));
+        Ok(made)
     }
 
     fn named(&self, name: &str) {

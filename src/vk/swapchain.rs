@@ -85,7 +85,7 @@ impl Swapchain {
             Err(c) => return Err(failure("make a swapchain", c)),
         };
         drop(old);
-        let mut own = Self {
+        let mut made = Self {
             images: Vec::new(),
             drawn: Vec::new(),
             raw,
@@ -96,14 +96,14 @@ impl Swapchain {
         };
         device.name(raw, "swapchain");
         // SAFETY: the swapchain was just made.
-        let images = unsafe { own.functions.get_swapchain_images(raw) }
+        let images = unsafe { made.functions.get_swapchain_images(raw) }
             .map_err(|c| failure("list the images of the swapchain", c))?;
         for image in images {
             let size = [extent.width, extent.height];
-            own.images.push(Image::borrowed(device, "swapchain image", image, format.format, size)?);
-            own.drawn.push(Semaphore::new(device, "image drawn")?);
+            made.images.push(Image::borrowed(device, "swapchain image", image, format.format, size)?);
+            made.drawn.push(Semaphore::new(device, "image drawn")?);
         }
-        Ok(Presented::Done(Some(own)))
+        Ok(Presented::Done(Some(made)))
     }
 
     /// Returns the format of every swapchain of `surface`.

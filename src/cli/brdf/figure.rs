@@ -142,8 +142,8 @@ pub fn of_two(
 pub fn deviation(a: &[f64], b: &[f64]) -> f64 {
     let inside = || a.iter().zip(b).filter(|(a, b)| !a.is_nan() && !b.is_nan());
     let of = |f: &dyn Fn(f64, f64) -> f64| inside().map(|(a, b)| f(*a, *b).powi(2)).sum::<f64>();
-    let (difference, own) = (of(&|a, b| a - b), of(&|_, b| b));
-    if own > 0.0 { (difference / own).sqrt() } else { 0.0 }
+    let (difference, energy) = (of(&|a, b| a - b), of(&|_, b| b));
+    if energy > 0.0 { (difference / energy).sqrt() } else { 0.0 }
 }
 
 /// Returns the end of a rounded axis from 0 that holds 98 % of the absolute `values`.

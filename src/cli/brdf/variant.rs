@@ -44,15 +44,15 @@ impl Variant {
 
     /// Returns `options` changed by this variant.
     pub fn of(&self, options: &OpticsOptions) -> Result<OpticsOptions> {
-        let mut own = options.clone();
+        let mut varied = options.clone();
         for word in &self.words {
             match (method(word), basis(word)) {
-                (Some(method), _) => own.method = Some(method),
-                (_, Some(basis)) => own.basis = Some(basis),
-                _ => own.coherence = options::coherence(word)?,
+                (Some(method), _) => varied.method = Some(method),
+                (_, Some(basis)) => varied.basis = Some(basis),
+                _ => varied.coherence = options::coherence(word)?,
             }
         }
-        Ok(own)
+        Ok(varied)
     }
 }
 

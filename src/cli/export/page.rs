@@ -97,12 +97,12 @@ fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f
     })
 }
 
-/// Returns `text` with the signs for which a terminal has letters.
+/// Returns `text` with µ, ° and × in place of the ASCII that a terminal gets.
 fn typeset(text: &str) -> String {
     text.replace(" um", " µm").replace(" deg", "°").replace("1/um", "1/µm").replace(" x ", " × ")
 }
 
-/// Returns what is known of the errors.
+/// Returns sentences about the errors of the table and of scalar theory.
 fn trust(description: &MaterialDescription) -> Vec<String> {
     let MaterialDescription { errors, smallest_footprint, scalar_theory, .. } = description;
     vec![
@@ -115,6 +115,6 @@ fn trust(description: &MaterialDescription) -> Vec<String> {
         format!(
             "The table holds averages over standard deviations of (u, v) from {smallest_footprint:.3} on. A pixel that covers less is drawn as an average over that."
         ),
-        "The matt layer and the shapes are the page’s own and are not measured.".to_owned(),
+        "The matt layer and the shapes are added by the page; they are not measured.".to_owned(),
     ]
 }

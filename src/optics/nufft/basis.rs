@@ -147,8 +147,8 @@ fn gram(bins: &[(f64, f64)], degrees: usize) -> Vec<Vec<f64>> {
     let mut gram: Vec<Vec<f64>> = (0..degrees).map(|n| vec![0.0; n + 1]).collect();
     for &(t, weight) in bins {
         let polynomials = chebyshev(t, degrees);
-        for (row, own) in gram.iter_mut().zip(&polynomials) {
-            row.iter_mut().zip(&polynomials).for_each(|(sum, other)| *sum += weight * own * other);
+        for (row, factor) in gram.iter_mut().zip(&polynomials) {
+            row.iter_mut().zip(&polynomials).for_each(|(sum, other)| *sum += weight * factor * other);
         }
     }
     gram

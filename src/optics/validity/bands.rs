@@ -7,8 +7,8 @@ use crate::surface::statistics::ProfileShape;
 
 /// Half nanometres in a band: 10 nm, because the table's periods are 25 % apart, 140 nm.
 const WIDTH: usize = 20;
-/// Share of the light whose errors must be known at an angle. Single points of the table did not settle; of *Elaphe* at 45° one of them is a corner of the
-/// reds, a fifth of daylight.
+/// Share of the light whose errors must be known at an angle. Single points of the table have not converged; for *Elaphe* at 45° one such point
+/// covers the reds, a fifth of daylight.
 const KNOWN: f64 = 0.75;
 
 /// Light for which errors are looked up.

@@ -112,7 +112,7 @@ fn described(grooves: &ProfileShape, reflectance: &Reflectance, wavelength: f64)
         Polarisation::Te => " in TE light",
         Polarisation::Tm => " in TM light",
     };
-    /// Slope along the grooves above which the line tells it.
+    /// Largest RMS slope along the grooves that is not mentioned.
     const NEARLY_STRAIGHT: f64 = 0.02;
     let left_out = match grooves.slope_along {
         slope if slope > NEARLY_STRAIGHT => format!(", RMS slope {slope:.2} along the grooves left out"),

@@ -75,8 +75,8 @@ impl Kernel {
     /// Returns the RMS amplitude error along one axis, relative to the local RMS amplitude, of interpolation on a padded length of `ratio`,
     /// by a sampler or by texels.
     fn amplitude_error(self, ratio: f64, of: Transformed) -> f64 {
-        let (own, rounding) = (self.own_error(ratio, of), self.rounding_error(ratio, of));
-        if is_too_coarse(rounding, own) { own } else { own.hypot(rounding) }
+        let (kernel_error, rounding) = (self.own_error(ratio, of), self.rounding_error(ratio, of));
+        if is_too_coarse(rounding, kernel_error) { kernel_error } else { kernel_error.hypot(rounding) }
     }
 
     /// Returns true if the shader has to weight texels, because a sampler is too coarse.
@@ -141,8 +141,8 @@ const PLACE_STEP: f64 = 1.0 / 256.0;
 /// Largest error of a sampler relative to the kernel's error: 0.5 makes both together 12 % larger, because squares add up.
 const MOST_ROUNDING: f64 = 0.5;
 
-fn is_too_coarse(rounding: f64, own: f64) -> bool {
-    rounding > MOST_ROUNDING * own
+fn is_too_coarse(rounding: f64, kernel_error: f64) -> bool {
+    rounding > MOST_ROUNDING * kernel_error
 }
 
 /// Transformed function, and the unit of its padded length.

@@ -48,8 +48,8 @@ impl Texels {
     /// Returns the number of floats, four to a texel.
     pub fn len(&self) -> usize {
         match self {
-            Self::Single(own) => own.len(),
-            Self::Half(own) => own.len(),
+            Self::Single(stored) => stored.len(),
+            Self::Half(stored) => stored.len(),
         }
     }
 
@@ -66,8 +66,8 @@ impl Texels {
     /// Returns number `index`.
     pub fn at(&self, index: usize) -> f32 {
         match self {
-            Self::Single(own) => own[index],
-            Self::Half(own) => f16::from_bits(own[index]).to_f32() * HALF_UNIT,
+            Self::Single(stored) => stored[index],
+            Self::Half(stored) => f16::from_bits(stored[index]).to_f32() * HALF_UNIT,
         }
     }
 
@@ -79,8 +79,8 @@ impl Texels {
     /// Returns the stored bytes.
     pub fn bytes(&self) -> &[u8] {
         match self {
-            Self::Single(own) => bytemuck::cast_slice(own),
-            Self::Half(own) => bytemuck::cast_slice(own),
+            Self::Single(stored) => bytemuck::cast_slice(stored),
+            Self::Half(stored) => bytemuck::cast_slice(stored),
         }
     }
 
@@ -95,12 +95,12 @@ impl Texels {
         const SINGLE: u32 = 0x7f80_0000;
         const HALF: u16 = 0x7c00;
         match self {
-            Self::Single(own) => own
+            Self::Single(stored) => stored
                 .par_chunks(TOGETHER)
                 .all(|part| part.iter().fold(true, |all, x| all & (x.to_bits() & SINGLE != SINGLE))),
-            Self::Half(own) => {
-                own.par_chunks(TOGETHER).all(|part| part.iter().fold(true, |all, x| all & (x & HALF != HALF)))
-            }
+            Self::Half(stored) => stored
+                .par_chunks(TOGETHER)
+                .all(|part| part.iter().fold(true, |all, x| all & (x & HALF != HALF))),
         }
     }
 }

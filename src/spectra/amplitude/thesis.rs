@@ -32,14 +32,14 @@ const REACH: usize = 1;
 pub fn layers(field: &HeightField, sigma: f64, shortest: f64) -> Result<Layers> {
     let scale = HeightScale::of(field);
     let band = bands_of(field, shortest);
-    let own = Samples::of(field, [0.0; 2]);
-    let [x, y] = [0, 1].map(|i| PaddedAxis::of_period(&own[i], band[i], REACH));
+    let axes = Samples::of(field, [0.0; 2]);
+    let [x, y] = [0, 1].map(|i| PaddedAxis::of_period(&axes[i], band[i], REACH));
     let first_column = x.bins - REACH;
     let size = [x.kept() - first_column, y.kept()];
     let pairs = TERMS.div_ceil(2);
     let texels = size[0] * size[1] * pairs;
     memory::ensure_room(
-        texels as u64 * 32 + Transformer::memory(&x, &y, &own[1], 1),
+        texels as u64 * 32 + Transformer::memory(&x, &y, &axes[1], 1),
         "the Fourier series of the thesis",
     )?;
     let heights: Vec<f64> = field.heights().iter().map(|&h| scale.normalise(h)).collect();

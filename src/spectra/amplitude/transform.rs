@@ -69,17 +69,17 @@ pub struct PaddedAxis {
 }
 
 impl PaddedAxis {
-    /// Returns the axis of `own` samples under a Gaussian of standard deviation `sigma` \[µm\] on a length of at least `length` \[µm\],
+    /// Returns the axis of `axis_samples` samples under a Gaussian of standard deviation `sigma` \[µm\] on a length of at least `length` \[µm\],
     /// keeping frequencies up to `band` \[µm⁻¹\]; an infinite σ is one period alone without a window. With `kernel` the spectrum may be
     /// read between its bins, and the window ends at L. Without, it is read at its bins alone, and the part of the window beyond L is
     /// folded back, which does not change the values at the bins.
-    pub fn new(own: &Samples, sigma: f64, length: f64, kernel: Option<Kernel>, band: f64) -> Self {
+    pub fn new(axis_samples: &Samples, sigma: f64, length: f64, kernel: Option<Kernel>, band: f64) -> Self {
         /// Smallest size of a transform: it costs nothing and still holds every kernel's guard.
         const FEWEST: usize = 8;
         /// End of a folded window in standard deviations: its amplitude is 3e-6 there.
         const REACH: f64 = 5.0;
-        let Samples { count, spacing, upward, centre } = *own;
-        let patch = own.period();
+        let Samples { count, spacing, upward, centre } = *axis_samples;
+        let patch = axis_samples.period();
         let windowed = sigma.is_finite();
         let padded = fast_size(((length / spacing).ceil() as usize).max(FEWEST));
         let length = padded as f64 * spacing;
@@ -117,10 +117,10 @@ impl PaddedAxis {
         Self { samples: padded, length, bins: (band * length).ceil() as usize + guard, taps, shift }
     }
 
-    /// Returns the axis of one period of `own` samples alone, at the bins m/T of the periodic surface's Fourier series, those up to `band`
+    /// Returns the axis of one period of `axis_samples` samples alone, at the bins m/T of the periodic surface's Fourier series, those up to `band`
     /// \[µm⁻¹\] and `beyond` more.
-    pub fn of_period(own: &Samples, band: f64, beyond: usize) -> Self {
-        let Samples { count, upward, .. } = *own;
+    pub fn of_period(axis_samples: &Samples, band: f64, beyond: usize) -> Self {
+        let Samples { count, upward, .. } = *axis_samples;
         let centre = (count as f64 - 1.0) / 2.0;
         let middle = centre.ceil() as usize;
         let taps = (0..count)
@@ -130,8 +130,8 @@ impl PaddedAxis {
                 WindowTap { slot, patch, weight: 1.0 / count as f64 }
             })
             .collect();
-        let bins = (band * own.period()).ceil() as usize + beyond;
-        Self { samples: count, length: own.period(), bins, taps, shift: centre.ceil() - centre }
+        let bins = (band * axis_samples.period()).ceil() as usize + beyond;
+        Self { samples: count, length: axis_samples.period(), bins, taps, shift: centre.ceil() - centre }
     }
 
     /// Returns the number of bins kept along the whole axis, negative frequencies included.
@@ -262,9 +262,9 @@ impl<'a> Transformer<'a> {
     }
 
     /// Returns the peak host memory of a transformer of `spectra` spectra at a time \[bytes\]: the rows of the patch within the window, at
-    /// the kept columns, the kept spectra, and a few lines for each thread. `own` is along y.
-    pub fn memory(x: &PaddedAxis, y: &PaddedAxis, own: &Samples, spectra: usize) -> u64 {
-        let rows = own.count.min(y.taps.len());
+    /// the kept columns, the kept spectra, and a few lines for each thread. `axis_samples` is along y.
+    pub fn memory(x: &PaddedAxis, y: &PaddedAxis, axis_samples: &Samples, spectra: usize) -> u64 {
+        let rows = axis_samples.count.min(y.taps.len());
         let lines = 2 * (x.samples + TOGETHER * y.samples) * rayon::current_num_threads();
         (((rows + spectra * y.kept()) * x.kept() + lines) * size_of::<Complex64>()) as u64
     }
@@ -344,8 +344,8 @@ mod tests {
             let field = HeightField::new(columns, rows, [0.2, 0.3], heights).unwrap();
             // Linear deapodisation is divided out again below: the comparison is with the plain window.
             let (sigma, kernel) = (1.0, Kernel::Linear);
-            let [x, y] =
-                Samples::of(&field, shift).map(|own| PaddedAxis::new(&own, sigma, 10.0, Some(kernel), 1.5));
+            let [x, y] = Samples::of(&field, shift)
+                .map(|axis_samples| PaddedAxis::new(&axis_samples, sigma, 10.0, Some(kernel), 1.5));
             let transformer = Transformer::new(&field, x, y);
             let spectrum = transformer.spectrum(|i| Complex64::cis(9.0 * field.heights()[i]));
             let (x, y) = (&transformer.x, &transformer.y);
@@ -380,9 +380,9 @@ mod tests {
         let heights: Vec<f64> = (0..35).map(|i| (f64::from(i * 37 % 11)).sin() * 0.1).collect();
         let field = HeightField::new(7, 5, [0.2, 0.3], heights).unwrap();
         let sigma = 1.0;
-        let own = Samples::of(&field, [0.07, -0.4]);
+        let axis_samples = Samples::of(&field, [0.07, -0.4]);
         let spectrum = |lengths: [f64; 2]| {
-            let [x, y] = [0, 1].map(|i| PaddedAxis::new(&own[i], sigma, lengths[i], None, 1.2));
+            let [x, y] = [0, 1].map(|i| PaddedAxis::new(&axis_samples[i], sigma, lengths[i], None, 1.2));
             let transformer = Transformer::new(&field, x, y);
             let values = transformer.spectrum(|i| Complex64::cis(9.0 * field.heights()[i]));
             (values, transformer)

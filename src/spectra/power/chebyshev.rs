@@ -20,10 +20,10 @@ pub fn coefficients_from_values(count: usize) -> Vec<Vec<f64>> {
 
 /// Writes T_0(x) … T_{n−1}(x) into `values`.
 pub fn polynomials(x: f64, values: &mut [f64]) {
-    let (mut before, mut own) = (1.0, x);
+    let (mut before, mut term) = (1.0, x);
     for value in values {
         *value = before;
-        (before, own) = (own, 2.0 * x * own - before);
+        (before, term) = (term, 2.0 * x * term - before);
     }
 }
 

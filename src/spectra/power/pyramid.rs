@@ -44,7 +44,7 @@ impl GridLine {
         usize::try_from(place).ok().filter(|&i| i < self.size)
     }
 
-    /// Returns about every second point, as far as a Gaussian that ends `reach` points away is not zero, and the ratio of the distances
+    /// Returns about every second point, up to `reach` points beyond the ends, where the Gaussian is cut off, and the ratio of the distances
     /// between points. A line that wraps around has a whole number of them.
     fn halved(&self, reach: f64) -> (Self, f64) {
         if self.wraps {
@@ -197,10 +197,10 @@ fn downsampled(below: &PyramidLevel<'_>, halved: [bool; 2], accuracy: Downsampli
         let (mut next, mut ratio) = (line, 1.0);
         if halved[axis] {
             // Variance of the blur of twice the distance of points, less that of the level below. The ratio is close to 2.
-            let own = below.grid.variance[axis] / (step * step);
-            let widest = (2.0 * accuracy.blur).powi(2) - own;
+            let variance_below = below.grid.variance[axis] / (step * step);
+            let widest = (2.0 * accuracy.blur).powi(2) - variance_below;
             (next, ratio) = line.halved(accuracy.reach * widest.sqrt());
-            blur = ((ratio * accuracy.blur).powi(2) - own).sqrt();
+            blur = ((ratio * accuracy.blur).powi(2) - variance_below).sqrt();
         }
         grid.lines[axis] = next;
         grid.step[axis] = step * ratio;

@@ -275,8 +275,8 @@ pub(crate) fn order_grid(field: &HeightField, settings: &PowerSettings) -> Order
     OrderGrid::new(field, 2.0 / settings.shortest, GUARD * x.max(y).sqrt())
 }
 
-/// Returns the number of terms to begin with: e^{iz(h − h′)} turns by z_max H over the range, half of it to either side. Its
-/// coefficients, Bessel functions of the order n at so many turns, are still large at n = turns + 2. The audit asks for more.
+/// Returns the number of terms to begin with: the phase of e^{iz(h − h′)} covers z_max H, half of it to either side. Its
+/// coefficients, Bessel functions of order n of this half, are still large at n = half + 2. The audit adds more terms.
 fn first_terms(field: &HeightField, z_max: f64) -> usize {
     const STILL_LARGE: f64 = 2.0;
     let terms = (turns(field, z_max) + STILL_LARGE).ceil() as usize;

@@ -195,8 +195,8 @@ fn channel<'a>(
     tail: &Tail,
 ) -> Result<Channel<'a>> {
     let label = tail.labels.get(i).filter(|label| !label.is_empty());
-    let own = if tail.data_unit.is_empty() { &wave.data_unit } else { &tail.data_unit };
-    let unit = label.and_then(|label| asylum_unit(label, &tail.note)).unwrap_or_else(|| own.clone());
+    let wave_unit = if tail.data_unit.is_empty() { &wave.data_unit } else { &tail.data_unit };
+    let unit = label.and_then(|label| asylum_unit(label, &tail.note)).unwrap_or_else(|| wave_unit.clone());
     let height = units::length(&unit);
     let step = |i: usize| {
         let short = &wave.lateral_units[i];

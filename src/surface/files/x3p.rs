@@ -243,8 +243,8 @@ fn with_slashes(name: &str) -> String {
 /// Reads at most `most` bytes of `name`: the size in the header may be wrong.
 fn member<R: Read + Seek>(archive: &mut ZipArchive<R>, name: &str, most: u64) -> Result<Vec<u8>> {
     let names = archive.file_names().filter_map(|name| name.ok());
-    let own = names.map(|own| own.into_owned()).find(|own| with_slashes(own) == name);
-    let file = archive.by_name(own.as_deref().unwrap_or(name)).map_err(|e| unzip(&e).at(name))?;
+    let stored = names.map(|stored| stored.into_owned()).find(|stored| with_slashes(stored) == name);
+    let file = archive.by_name(stored.as_deref().unwrap_or(name)).map_err(|e| unzip(&e).at(name))?;
     memory::ensure_room(file.size().min(most), &format!("the file {name} in it"))?;
     let mut content = Vec::new();
     file.take(most).read_to_end(&mut content).map_err(|e| damaged(e).at(name))?;

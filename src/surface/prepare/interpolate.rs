@@ -37,12 +37,12 @@ impl EdgeRule {
                 let (span, last) = (2 * (n - 1), n - 1);
                 let (turns, place) = (index.div_euclid(span), index.rem_euclid(span));
                 let rise = 2.0 * (line[last as usize] - line[0]) * turns as f64;
-                let own = if place <= last {
+                let start = if place <= last {
                     line[place as usize]
                 } else {
                     2.0 * line[last as usize] - line[(span - place) as usize]
                 };
-                own + rise
+                start + rise
             }
         }
     }

@@ -158,11 +158,11 @@ fn surroundings(ui: &mut Ui, placement: &mut Placement) {
 
 /// Shows the spectrum of a light and a list of others.
 fn spectrum(ui: &mut Ui, spectrum: &mut Option<Illuminant>) {
-    let is_built_in = |own: &Illuminant| own.file().is_none();
+    let is_built_in = |illuminant: &Illuminant| illuminant.file().is_none();
     let name = match spectrum {
         None => "λ".to_owned(),
-        Some(own) if is_built_in(own) => own.name().to_uppercase(),
-        Some(own) => short(&own.name()).to_owned(),
+        Some(illuminant) if is_built_in(illuminant) => illuminant.name().to_uppercase(),
+        Some(illuminant) => short(&illuminant.name()).to_owned(),
     };
     let mut chosen = None;
     let list = ui.menu_button(name, |ui| {
@@ -172,9 +172,9 @@ fn spectrum(ui: &mut Ui, spectrum: &mut Option<Illuminant>) {
             chosen = Some(None);
         }
         for name in BUILT_IN_SPECTRA {
-            let own = Illuminant::built_in(name);
-            if button(ui, own.is_some() && own == *spectrum, name.to_uppercase()) {
-                chosen = Some(own);
+            let choice = Illuminant::built_in(name);
+            if button(ui, choice.is_some() && choice == *spectrum, name.to_uppercase()) {
+                chosen = Some(choice);
             }
         }
         if chosen.is_some() {
