@@ -235,9 +235,9 @@ impl BenchmarkScene {
     pub fn renderer(&self, source: &Source, optics: &Optics) -> Result<(Renderer, Vec<Directions>)> {
         let (mesh, grooves) =
             (&self.scene.main_object().mesh, &GrooveDirections::of(&self.scene.main_object().grooves)?);
-        let (pigment, base_color, casts_shadows) = (&Pigment::white(), None, true);
+        let (pigment, casts_shadows) = (&Pigment::white(), true);
         let sources = &ObjectSources::new(source.clone(), optics.clone());
-        let object = ObjectData { mesh, pigment, grooves, base_color, casts_shadows, sources };
+        let object = ObjectData { mesh, pigment, grooves, casts_shadows, sources };
         let settings = RendererSettings { shadows: self.scene.shadows, ..RendererSettings::default() };
         let mut renderer = Renderer::new(&self.device, &[object], self.size, settings)?;
         let directions = (0..self.view.light_count())
@@ -345,7 +345,7 @@ impl BenchmarkScene {
         const PART: f64 = 0.2;
         let sampling = ColourSampling::within(PART * optics.tolerance.min(1e-2));
         let colors = PixelReference::with_sampling(&self.field, optics, sampling, &progress)
-            .and_then(|reference| reference.colors(&self.view, directions, &seen, &progress));
+            .and_then(|reference| reference.colors(&self.view, 0, directions, &seen, &progress));
         bar.finish_and_clear();
         let colors: BTreeMap<usize, DVec3> = seen.into_iter().zip(colors?).collect();
         Ok(pixels.iter().map(|pixel| colors.get(pixel).copied().unwrap_or(DVec3::ZERO)).collect())

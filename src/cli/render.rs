@@ -355,11 +355,9 @@ fn reference_picture(
     };
     // Pixel indices increase, so that a binary search finds them.
     let chosen = |pixel| chosen.as_ref().is_none_or(|chosen| chosen.binary_search(&pixel).is_ok());
-    let colors =
-        std::iter::once(view.base_color).chain(work.scene.objects.iter().skip(1).map(|o| o.base_color));
     let mut objects = Vec::new();
-    for (ObjectSurface { field, source }, base_color) in surfaces.iter().zip(colors) {
-        objects.push(ReferenceObject { field: field.as_deref(), optics: &source.optics, base_color });
+    for ObjectSurface { field, source } in surfaces {
+        objects.push(ReferenceObject { field: field.as_deref(), optics: &source.optics });
     }
     let samples = ReferenceSamples { sampling, size: settings.size, chosen: &chosen };
     let radiance = reference_mean(&objects, view, &samples, &mut directions, progress)?;

@@ -30,14 +30,12 @@ pub struct View {
     pub environment: Option<Environment>,
     /// True if the surroundings, if any, are displayed as the background.
     pub shows_surroundings: bool,
-    /// Albedo of the pigment.
-    pub base_color: Vec3,
-    /// True if the pigment texture is used.
-    pub pigment: bool,
+    /// Albedo of the pigment of each object, linear sRGB.
+    pub base_colors: Vec<Vec3>,
 }
 
 impl View {
-    /// Returns a view of `scene` with its surroundings, but without its pigment texture, under `lights`. The coherence
+    /// Returns a view of `scene` with its surroundings, under `lights`. The coherence
     /// already accounts for part of the extent of each light, so it is subtracted.
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
         let room = Self::of(scene, Vec::new()).room();
@@ -49,7 +47,7 @@ impl View {
         }
     }
 
-    /// Returns a view of `scene` under `lights` alone, without surroundings and pigment texture.
+    /// Returns a view of `scene` under `lights` alone, without surroundings.
     pub fn of(scene: &Scene, lights: Vec<Light>) -> Self {
         let bounds = scene.bounds();
         Self {
@@ -61,8 +59,7 @@ impl View {
             lights,
             environment: None,
             shows_surroundings: false,
-            base_color: scene.main_object().base_color,
-            pigment: false,
+            base_colors: scene.objects.iter().map(|object| object.base_color).collect(),
         }
     }
 
@@ -73,8 +70,13 @@ impl View {
 
     /// Returns true if pixels of both views see the same surface points with the same pigment, whatever the lights.
     pub fn sees_the_same_as(&self, other: &Self) -> bool {
-        let seen = |view: &Self| (view.camera, view.centre, view.reach, view.base_color, view.pigment);
-        seen(self) == seen(other)
+        let seen = |view: &Self| (view.camera, view.centre, view.reach);
+        seen(self) == seen(other) && self.base_colors == other.base_colors
+    }
+
+    /// Returns the albedo of the pigment of object number `object`; black if there is no such object.
+    pub fn base_color(&self, object: usize) -> Vec3 {
+        self.base_colors.get(object).copied().unwrap_or_default()
     }
 
     /// Returns the position and the unit of the scene.
@@ -166,7 +168,7 @@ impl View {
         ShadowSphere { centre: self.centre, radius: self.radius, pixel }
     }
 
-    /// Returns the `Frame` block of `pass` in a picture of `size` pixels.
+    /// Returns the `Frame` block of `pass` in a picture of `size` pixels, but for what belongs to each object.
     pub fn block(&self, size: [u32; 2], pass: &LightPass) -> FrameBlock {
         let clip_from_world = self.clip_from_world(size);
         let mut lights = [LightBlock::default(); MOST_LIGHTS];
@@ -177,7 +179,7 @@ impl View {
             clip_from_world: camera::jittered(clip_from_world, size, pass.sample.jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
             lights,
-            base_color: self.base_color.extend(if self.pigment { 1.0 } else { 0.0 }).to_array(),
+            base_color: [0.0; 4],
             grooves: [0.0, 0.0, 2.0 / size[0] as f32, 2.0 / size[1] as f32],
             surroundings: self.environment.as_ref().map_or([0.0; 4], |environment| {
                 let Placement { rotation, exposure } = environment.placement;

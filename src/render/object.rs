@@ -22,8 +22,6 @@ pub struct ObjectData<'a> {
     pub pigment: &'a Pigment,
     /// Orientation of the patch on the mesh.
     pub grooves: &'a GrooveDirections,
-    /// Albedo of its pigment; `None` for that of the view.
-    pub base_color: Option<Vec3>,
     /// True if it casts shadows from lights that do.
     pub casts_shadows: bool,
     /// Sources that it is shaded from.
@@ -31,10 +29,10 @@ pub struct ObjectData<'a> {
 }
 
 impl<'a> ObjectData<'a> {
-    /// Returns the data of an object whose patch lies along the mesh, and whose pigment has the albedo of the view.
+    /// Returns the data of an object whose patch lies along the mesh.
     pub fn new(mesh: &'a Mesh, pigment: &'a Pigment, sources: &'a ObjectSources) -> Self {
         let grooves = GrooveDirections::along();
-        Self { mesh, pigment, grooves, base_color: None, casts_shadows: true, sources }
+        Self { mesh, pigment, grooves, casts_shadows: true, sources }
     }
 }
 
@@ -108,17 +106,13 @@ pub fn objects<'a>(
     textures: &'a [ObjectTextures],
     sources: impl IntoIterator<Item = &'a ObjectSources>,
 ) -> Vec<ObjectData<'a>> {
-    let objects = scene.objects.iter().enumerate().zip(textures).zip(sources);
-    let data = |(((number, object), textures), sources): ((_, &'a ObjectTextures), _)| {
-        let object: &'a Object = object;
-        ObjectData {
-            mesh: &object.mesh,
-            pigment: &textures.pigment,
-            grooves: &textures.grooves,
-            base_color: (number > 0).then_some(object.base_color),
-            casts_shadows: !object.is_ground,
-            sources,
-        }
+    let objects = scene.objects.iter().zip(textures).zip(sources);
+    let data = |((object, textures), sources): ((&'a Object, &'a ObjectTextures), _)| ObjectData {
+        mesh: &object.mesh,
+        pigment: &textures.pigment,
+        grooves: &textures.grooves,
+        casts_shadows: !object.is_ground,
+        sources,
     };
     objects.map(data).collect()
 }
@@ -134,7 +128,6 @@ pub struct DeviceObject {
     /// True if it casts shadows from lights that do.
     pub casts_shadows: bool,
     turn: [f32; 2],
-    base_color: Option<Vec3>,
     textured: bool,
 }
 
@@ -150,23 +143,17 @@ impl DeviceObject {
             layout: data.grooves.layout,
             casts_shadows: data.casts_shadows,
             turn: data.grooves.turn,
-            base_color: data.base_color,
             textured: data.pigment.is_textured(),
         })
     }
 
-    /// Adapts `block`, the block of the view, to this object, whose specular order has the variance `specular_spread`
-    /// of (u, v).
-    pub fn block(&self, mut block: FrameBlock, specular_spread: f32) -> FrameBlock {
+    /// Adapts `block`, the block of the view, to this object, whose pigment has the albedo `base_color`, and whose
+    /// specular order the variance `specular_spread` of (u, v).
+    pub fn block(&self, mut block: FrameBlock, base_color: Vec3, specular_spread: f32) -> FrameBlock {
         block.surroundings[3] = specular_spread;
         block.grooves[..2].copy_from_slice(&self.turn);
-        if let Some(color) = self.base_color {
-            block.base_color = color.extend(1.0).to_array();
-        }
-        if !self.textured {
-            // No albedo image is read.
-            block.base_color[3] = 0.0;
-        }
+        // Without a texture, no albedo image is read.
+        block.base_color = base_color.extend(if self.textured { 1.0 } else { 0.0 }).to_array();
         block
     }
 }

@@ -19,7 +19,7 @@ use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::scene::camera::pixel_in_clip;
 use crate::settings::Optics;
 use crate::surface::HeightField;
-use glam::{DVec3, DVec4, Vec3};
+use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
 
 /// Shades `directions` (one entry per light of `view`) in f64. Returns RGBA as [`super::renderer::Picture::radiance`]. A
@@ -55,7 +55,7 @@ pub fn reference_pixels(
     pixels: &[usize],
     progress: Progress<'_>,
 ) -> Result<Vec<DVec3>> {
-    PixelReference::new(field, optics, progress)?.colors(view, directions, pixels, progress)
+    PixelReference::new(field, optics, progress)?.colors(view, 0, directions, pixels, progress)
 }
 
 /// Shades pixels in f64.
@@ -109,7 +109,7 @@ impl<'a> PixelReference<'a> {
         Self { optics, by: By::Nothing }
     }
 
-    /// Returns the linear sRGB colours of the pixels with the numbers `pixels`. The mean is averaged over the
+    /// Returns the linear sRGB colours of the pixels with the numbers `pixels`, which show object number `object`. The mean is averaged over the
     /// footprints in `directions`; a sum through windows is evaluated at the direction of the pixel centre.
     ///
     /// # Errors
@@ -117,10 +117,12 @@ impl<'a> PixelReference<'a> {
     pub fn colors(
         &self,
         view: &View,
+        object: usize,
         directions: &[Directions],
         pixels: &[usize],
         progress: Progress<'_>,
     ) -> Result<Vec<DVec3>> {
+        let base_color = view.base_color(object).as_dvec3();
         let mut colors = vec![DVec3::ZERO; pixels.len()];
         let lights = directions.len();
         for (number, seen) in directions.iter().enumerate() {
@@ -139,8 +141,7 @@ impl<'a> PixelReference<'a> {
                     continue;
                 }
                 let reflectance = self.optics.reflectance.kept_from_pigment(pair.cos_half_angle());
-                let pigmented =
-                    white * view.base_color.as_dvec3() * ((1.0 - reflectance) * pair.light.z / PI);
+                let pigmented = white * base_color * ((1.0 - reflectance) * pair.light.z / PI);
                 *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance(i) * PI;
             }
             self.add_mirrored(seen, pixels, &mut colors);
@@ -269,8 +270,6 @@ pub struct ReferenceObject<'a> {
     pub field: Option<&'a HeightField>,
     /// Settings of the optics.
     pub optics: &'a Optics,
-    /// Albedo of the pigment, linear sRGB.
-    pub base_color: Vec3,
 }
 
 /// Settings of a reference picture of several samples.
@@ -319,12 +318,12 @@ pub fn reference_mean(
     let sampling = samples.sampling;
     let count = sampling.count.max(1);
     let mut references = Vec::new();
-    for &ReferenceObject { field, optics, base_color } in objects {
+    for &ReferenceObject { field, optics } in objects {
         let reference = match field {
             Some(field) => PixelReference::new(field, optics, progress)?,
             None => PixelReference::of_pigment(optics),
         };
-        references.push((reference, View { base_color, ..view.clone() }));
+        references.push(reference);
     }
     let mut sum: Vec<DVec4> = Vec::new();
     let groups = view.schedule(sampling).groups().collect::<Vec<SampleGroup>>();
@@ -338,12 +337,12 @@ pub fn reference_mean(
         let mut pixels = covered(&seen);
         pixels.retain(|&pixel| samples.counts(pixel, &weights));
         let coverage = if pass.is_first { 1.0 } else { 0.0 };
-        for (number, (reference, view)) in references.iter().enumerate() {
+        for (number, reference) in references.iter().enumerate() {
             let shows = |&&pixel: &&usize| seen[0].object(pixel) == number;
             let pixels: Vec<usize> = pixels.iter().filter(shows).copied().collect();
             let (part, parts) = (place * references.len() + number, passes.len() * references.len());
             let told = |done, of| progress(part * of + done, parts * of);
-            let colors = reference.colors(view, &seen, &pixels, &told)?;
+            let colors = reference.colors(view, number, &seen, &pixels, &told)?;
             for (pixel, color) in pixels.into_iter().zip(colors) {
                 sample[pixel] = color.extend(coverage);
             }

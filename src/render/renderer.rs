@@ -496,9 +496,10 @@ impl Renderer {
         let unit = self.bind_environment(view)?;
         let mut block = view.block(size, pass);
         block.surroundings[2] *= unit;
-        for (object, shading) in self.objects.iter_mut().zip(self.shadings.defaults()) {
-            let own = object.block(block, shading.specular_spread.unwrap_or_default());
-            object.frame.write(&own)?;
+        for (number, (object, shading)) in self.objects.iter_mut().zip(self.shadings.defaults()).enumerate() {
+            let spread = shading.specular_spread.unwrap_or_default();
+            let block = object.block(block, view.base_color(number), spread);
+            object.frame.write(&block)?;
         }
         if let Some(shadow_pass) = &mut self.shadow_pass {
             let maps = block.lights[..pass.lights].iter().map(|light| light.shadow_from_world).collect();

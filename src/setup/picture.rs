@@ -41,12 +41,9 @@ impl PictureSettings {
     }
 }
 
-/// Returns the scene's view under `optics`, with its pigment texture if it has one.
+/// Returns the scene's view under `optics`.
 pub fn own_view(scene: &Scene, optics: &Optics) -> View {
-    View {
-        pigment: scene.main_object().pigment.is_some(),
-        ..View::under(scene, &scene.lights, &optics.coherence)
-    }
+    View::under(scene, &scene.lights, &optics.coherence)
 }
 
 /// Surface of an object and settings of its source.

@@ -25,7 +25,7 @@ fn renderer(device: &Arc<Device>, scene: &Scene) -> Renderer {
 
 fn view(scene: &Scene) -> View {
     let mut view = View::of(scene, vec![Light::point(40.0, -30.0, 1.0)]);
-    view.base_color = Vec3::new(0.9, 0.5, 0.2);
+    view.base_colors = vec![Vec3::new(0.9, 0.5, 0.2)];
     view
 }
 

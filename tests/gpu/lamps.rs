@@ -30,7 +30,7 @@ fn floor(lights: Vec<Light>) -> (diffract::scene::Mesh, View) {
     let mut view = View::of(&Scene::open("plate").unwrap(), lights);
     view.camera = Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(1.0, 0.2, 0.0), 0.4).unwrap();
     (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
-    view.base_color = Vec3::ONE;
+    view.base_colors = vec![Vec3::ONE];
     (mesh, view)
 }
 
@@ -181,7 +181,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     view.environment = Some(studio);
     view.shows_surroundings = true;
     // Bright, so that what stands before the surroundings counts.
-    view.base_color = Vec3::ONE;
+    view.base_colors = vec![Vec3::ONE];
     let optics = Optics::default();
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let size = [160, 120];

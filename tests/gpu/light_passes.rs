@@ -55,7 +55,7 @@ fn alone_and_together(view: &View, alone: Sampling, together: Sampling) -> [Vec<
 fn sphere(lights: &[&str]) -> View {
     let lights = lights.iter().map(|text| Light::parse(text).unwrap()).collect();
     let mut view = View::of(&Scene::open("sphere").unwrap(), lights);
-    view.base_color = Vec3::new(0.3, 0.2, 0.1);
+    view.base_colors = vec![Vec3::new(0.3, 0.2, 0.1)];
     view
 }
 

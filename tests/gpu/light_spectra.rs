@@ -171,7 +171,7 @@ fn a_white_surface_has_the_white_of_the_light() {
                 crate::renderer(device, &pigment_alone(), &optics, &scene.main_object().mesh, &pigment, SIZE)
                     .unwrap();
             let lights = vec![Light::point(0.0, 0.0, 2.0)];
-            let view = View { base_color: Vec3::ONE, ..View::of(&scene, lights) };
+            let view = View { base_colors: vec![Vec3::ONE], ..View::of(&scene, lights) };
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let white = xyz_to_linear_srgb(illuminant.white()) * 2.0;
             let mut covered = 0;

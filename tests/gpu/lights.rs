@@ -37,7 +37,7 @@ fn plate(theta: f32, lights: Vec<Light>, environment: Option<Environment>) -> (S
     let (sin, cos) = theta.sin_cos();
     let mut view = View::of(&scene, lights);
     view.camera = Camera::looking(Vec3::new(FAR * sin, 0.0, FAR * cos), Vec3::ZERO, 0.02).unwrap();
-    view.base_color = Vec3::ZERO;
+    view.base_colors = vec![Vec3::ZERO];
     view.environment = environment;
     (scene, view)
 }
@@ -274,7 +274,7 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
     let mut view = View::of(&Scene::open("plate").unwrap(), vec![light]);
     view.camera = Camera::looking(Vec3::new(AWAY, 0.0, AWAY), Vec3::ZERO, FIELD_OF_VIEW).unwrap();
     (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
-    view.base_color = Vec3::ONE;
+    view.base_colors = vec![Vec3::ONE];
     let column = |shadows: bool| -> Vec<f64> {
         let optics = Optics { reflectance: 1.0.into(), ..Optics::default() };
         let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(shadows));
@@ -328,7 +328,7 @@ fn convex_meshes_cast_no_shadow_on_themselves() {
                 "sphere:0.1:0.2,-1.4,0.6,30",
             ] {
                 let mut view = View::of(&scene, vec![Light::parse(light).unwrap()]);
-                view.base_color = Vec3::ONE;
+                view.base_colors = vec![Vec3::ONE];
                 let paint = |shadows: bool| {
                     let object = (&scene.main_object().mesh, &Pigment::white());
                     let (optics, settings) = (Optics::default(), crate::shadows(shadows));
@@ -359,7 +359,7 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
             let mut view = View::of(&Scene::open("plate").unwrap(), vec![light]);
             view.camera = Camera::looking(Vec3::new(1.0, -1.0, 3.0), Vec3::ZERO, 0.9).unwrap();
             (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
-            view.base_color = Vec3::ONE;
+            view.base_colors = vec![Vec3::ONE];
             let optics = Optics::default();
             let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(true));
             let mut renderer =

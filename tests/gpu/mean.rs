@@ -252,11 +252,10 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut directions = new(&probe);
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
-        let (optics, base_color) = (&optics, view.base_color);
-        let object = ReferenceObject { field: Some(&field), optics, base_color };
+        let object = ReferenceObject { field: Some(&field), optics: &optics };
         let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
         let exact = reference_mean(&[object], &view, &samples, &mut seen, &|_, _| Ok(())).unwrap();
-        let source = source(device, &field, optics, Method::Table, least);
+        let source = source(device, &field, &optics, Method::Table, least);
         let found = new(&source).render(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
         let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
         eprintln!("16 samples: {errors:.4?}");
@@ -289,7 +288,7 @@ fn a_turntable_does_not_shimmer() {
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let found = pixels.iter().map(|&i| Vec4::from(picture[i]).truncate().as_dvec3()).collect();
             let seen = directions(device, &scene, &view);
-            [found, reference.colors(&view, &seen, &pixels, &|_, _| Ok(())).unwrap()]
+            [found, reference.colors(&view, 0, &seen, &pixels, &|_, _| Ok(())).unwrap()]
         };
         let all: Vec<[Vec<DVec3>; 2]> = (0..FRAMES).map(&mut colors_of).collect();
         // RMS change of all pixels from each frame to the next, relative to the mean brightness of both.

@@ -164,7 +164,6 @@ fn directions(device: &Arc<Device>, view: &View, grooves: &GrooveDirections) -> 
         mesh: &scene.main_object().mesh,
         pigment: &pigment,
         grooves,
-        base_color: None,
         casts_shadows: true,
         sources: &sources,
     };

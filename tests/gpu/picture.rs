@@ -73,7 +73,7 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
     let light = |phi: f64| Light::point(40.0, phi, 1.0);
     // sRGB codes 255 and 0 are exactly 1 and 0.
     let green = Pigment { size: [2, 2], texels: [0, 255, 0, 255].repeat(4) };
-    let base = |color: Vec3, view: &View| View { base_color: color, ..view.clone() };
+    let base = |color: Vec3, view: &View| View { base_colors: vec![color], ..view.clone() };
     with_device(|device| {
         let layers = layers(&field, &optics);
         for lights in [vec![light(10.0)], [10.0, 80.0, 200.0, -60.0].map(light).to_vec()] {
@@ -90,7 +90,7 @@ fn a_pigment_texture_of_one_colour_is_that_base_colour_under_one_light_and_under
                 .unwrap();
                 renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance
             };
-            let textured = View { pigment: true, ..base(Vec3::ONE, &plain) };
+            let textured = base(Vec3::ONE, &plain);
             let found = paint(&green, &textured);
             assert_eq!(found, paint(&Pigment::white(), &base(Vec3::Y, &plain)));
             assert_ne!(found, paint(&Pigment::white(), &base(Vec3::X, &plain)));
@@ -111,7 +111,7 @@ fn an_upright_sphere_is_lit_from_where_the_light_is() {
         let mut sides = [[0.0f64; 2]; 2];
         with_device(|device| {
             let mut view = View::of(&scene, vec![light]);
-            view.base_color = Vec3::ONE;
+            view.base_colors = vec![Vec3::ONE];
             let (picture, _) = paint(device, &field, &optics, &scene, &view);
             for (i, p) in picture.radiance.iter().enumerate() {
                 let (x, y) = (i % SIZE[0] as usize, i / SIZE[0] as usize);

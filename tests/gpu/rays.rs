@@ -72,7 +72,6 @@ impl Case {
             mesh: &self.mesh,
             pigment: &pigment,
             grooves: &self.grooves,
-            base_color: None,
             casts_shadows: true,
             sources: &sources,
         };
@@ -314,7 +313,7 @@ fn centroid(radiance: &[[f32; 4]], size: [u32; 2]) -> DVec2 {
 #[test]
 fn a_flat_plate_has_its_highlight_where_it_mirrors_the_light() {
     let case = Case::new("plate", &["40,180,2"]);
-    let view = View { base_color: Vec3::ZERO, ..case.view.clone() };
+    let view = View { base_colors: vec![Vec3::ZERO], ..case.view.clone() };
     let optics = optics(1e-2);
     let field = patch(SurfaceKind::Flat, 10.0);
     // The viewer stands where the mirrored ray from the light leads.
@@ -353,7 +352,6 @@ fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, optics: &Op
         mesh: &scene.main_object().mesh,
         pigment: &pigment,
         grooves: &grooves,
-        base_color: None,
         casts_shadows: true,
         sources: &sources,
     };
@@ -362,7 +360,7 @@ fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, optics: &Op
 
 /// Relative L2 error of the picture of `scene` by a table, with a surface of this `kind`, against the reference of rays.
 fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampling) -> f64 {
-    let view = View { base_color: Vec3::ZERO, ..View::of(scene, scene.lights.clone()) };
+    let view = View { base_colors: vec![Vec3::ZERO], ..View::of(scene, scene.lights.clone()) };
     let (field, optics) = (patch(kind, 10.0), optics(1e-2));
     let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
     let rays = RayScene::new(vec![RayObject {
@@ -371,7 +369,7 @@ fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampl
         casts_shadows: true,
     }]);
     let settings = RaySettings::new(PICTURE, scene.shadows, &optics);
-    let object = ReferenceObject { field: Some(&field), optics: &optics, base_color: view.base_color };
+    let object = ReferenceObject { field: Some(&field), optics: &optics };
     let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &|_| true };
     let mut directions = |pass: &LightPass| Ok(rays.directions(&view, pass, &settings));
     let of_first = |light| rays.directions(&view, &LightPass::of_all(light, sampling.sample(0)), &settings);

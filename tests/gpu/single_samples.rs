@@ -40,7 +40,7 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     let field = patch(kind, 10.0);
     let scene = Scene::open(case.scene).unwrap();
     let lights = case.light.as_ref().map_or(scene.lights.clone(), |light| vec![light.clone()]);
-    let view = View { base_color: Vec3::ZERO, ..View::of(&scene, lights) };
+    let view = View { base_colors: vec![Vec3::ZERO], ..View::of(&scene, lights) };
     let reflectance = case.material.map_or(Reflectance::default(), |name| {
         Reflectance::of_material(Material::from_name_or_file(name).unwrap(), None)
     });
@@ -61,7 +61,7 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
             .map(|light| found.directions_of(&view, light, &sample).unwrap())
             .collect();
         // Whatever the wavelengths of the device.
-        let object = ReferenceObject { field: Some(&field), optics: &optics, base_color: view.base_color };
+        let object = ReferenceObject { field: Some(&field), optics: &optics };
         let samples = ReferenceSamples { sampling: &sampling, size, chosen: &|_| true };
         let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
         let exact = reference_mean(&[object], &view, &samples, &mut of_pass, &|_, _| Ok(())).unwrap();

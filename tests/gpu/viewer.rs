@@ -29,7 +29,7 @@ fn renderer(device: &Arc<Device>, scene: &Scene, size: [u32; 2]) -> Renderer {
 
 fn view(scene: &Scene, intensity: f64) -> View {
     let view = View::of(scene, vec![Light::point(40.0, -30.0, intensity)]);
-    View { base_color: Vec3::ZERO, ..view }
+    View { base_colors: vec![Vec3::ZERO], ..view }
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
 fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footprints() {
     let scene = Scene::open("sphere").unwrap();
     let mut view = view(&scene, 2.0);
-    view.base_color = Vec3::splat(0.2);
+    view.base_colors = vec![Vec3::splat(0.2)];
     view.environment = Some(Environment::open("studio").unwrap());
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let optics = Optics { windows: Windows::All, ..optics(16.0, 2e-2) }.for_pictures();

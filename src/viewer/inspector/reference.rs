@@ -129,7 +129,7 @@ fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) ->
 
 fn of_pixel(reference: &PixelReference<'_>, reading: &Reading) -> Result<Answer> {
     let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(wavelength).collect();
-    let colors = reference.colors(&reading.view, &reading.directions, &[0], &|_, _| Ok(()))?;
+    let colors = reference.colors(&reading.view, 0, &reading.directions, &[0], &|_, _| Ok(()))?;
     let of_light = |(number, light): (usize, &LightAt)| {
         Ok(LightAnswer {
             spectrum: reference.spectrum(&light.pair, &wavelengths),

@@ -154,13 +154,14 @@ impl ViewerWindow {
     /// Returns the present view under `lights`.
     fn view_under(&self, lights: &[Light]) -> View {
         let (shown, scene) = (self.model.shown(), &self.model.loaded.scene);
-        View {
-            environment: scene.environment.as_ref().map(|e| e.placed(shown.surroundings)),
-            camera: shown.shown_camera(scene),
-            base_color: shown.base_color,
-            pigment: scene.main_object().pigment.is_some(),
-            ..View::under(scene, lights, &shown.optics.coherence)
+        let mut view = View::under(scene, lights, &shown.optics.coherence);
+        view.environment = scene.environment.as_ref().map(|e| e.placed(shown.surroundings));
+        view.camera = shown.shown_camera(scene);
+        // The window edits the first object.
+        if let Some(color) = view.base_colors.first_mut() {
+            *color = shown.base_color;
         }
+        view
     }
 
     /// Returns the request for the present frame at full quality; `None` before anything is ready to be drawn.
