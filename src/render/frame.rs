@@ -1,7 +1,7 @@
 //! A frame: the view that is drawn, and the settings of its display.
 
-use super::frame_set::{FrameBlock, LightBlock};
-use super::light_passes::{LightPass, LightSchedule, MOST_LIGHTS};
+use super::frame_set::{FrameBlock, LightBlock, MOST_LIGHTS};
+use super::light_passes::{LightPass, LightSchedule};
 use super::sampling::Sampling;
 use super::shadow_map::ShadowSphere;
 use crate::optics::coherence::Coherence;

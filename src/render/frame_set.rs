@@ -3,7 +3,6 @@
 
 use super::gbuffer::GBuffer;
 use super::grooves::GrooveDirections;
-use super::light_passes::MOST_LIGHTS;
 use super::pigment::Pigment;
 use super::surroundings::Surroundings;
 use super::upload;
@@ -19,6 +18,9 @@ use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
+
+/// Largest number of lights that are drawn together.
+pub const MOST_LIGHTS: usize = 8;
 
 /// The `Frame` block (std140).
 #[repr(C)]

@@ -4,6 +4,7 @@
 //! a picture of many samples, every sample therefore draws the other lights, but only every fourth draws such
 //! surroundings, with four times their weight.
 
+use super::frame_set::MOST_LIGHTS;
 use super::sampling::{Sample, Sampling};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -18,9 +19,6 @@ const EVERY: u32 = 4;
 const ALL_AROUND: f64 = PI;
 /// Fewest samples that draw the surroundings if not all do: fewer do not represent all directions.
 const FEWEST: u32 = 4;
-
-/// Largest number of lights in a pass.
-pub const MOST_LIGHTS: usize = 8;
 
 /// Lights that a sample of a picture draws together: consecutive ones.
 #[derive(Clone, Copy, Debug, PartialEq)]

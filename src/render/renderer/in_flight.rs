@@ -14,13 +14,13 @@ const STAMPS: u32 = 4;
 
 /// Command buffers of a picture.
 pub(super) struct InFlight {
-    slots: Vec<Slot>,
-    /// Number of the slot of the next submission, the oldest.
+    submissions: Vec<Submission>,
+    /// Number of the next submission, the oldest.
     next: usize,
 }
 
 /// Command buffer with its timestamps.
-struct Slot {
+struct Submission {
     commands: Commands,
     timestamps: Timestamps,
     /// Pixels of the submission, until its times are read.
@@ -36,7 +36,7 @@ pub(super) struct Finished {
     pub times: DrawTimes,
 }
 
-impl Slot {
+impl Submission {
     /// Waits for the submission, if there is one, and returns it.
     fn wait(&mut self) -> Result<Option<Finished>> {
         self.commands.wait()?;
@@ -55,11 +55,11 @@ impl InFlight {
     /// # Errors
     /// Fails if Vulkan reports an error.
     pub fn new(device: &Arc<Device>) -> Result<Self> {
-        let slot = |_| {
+        let submission = |_| {
             let (commands, timestamps) = (Commands::new(device, "frame")?, Timestamps::new(device, STAMPS)?);
-            Ok(Slot { commands, timestamps, pixels: None })
+            Ok(Submission { commands, timestamps, pixels: None })
         };
-        Ok(Self { slots: (0..IN_FLIGHT).map(slot).collect::<Result<_>>()?, next: 0 })
+        Ok(Self { submissions: (0..IN_FLIGHT).map(submission).collect::<Result<_>>()?, next: 0 })
     }
 
     /// Records with `record` and submits work that shades so many `pixels`. Returns the submission before the last one,
@@ -75,16 +75,16 @@ impl InFlight {
         pixels: f64,
         record: impl FnOnce(&Recorder<'_>, &Timestamps),
     ) -> Result<Option<Finished>> {
-        let slot = &mut self.slots[self.next];
-        let finished = slot.wait()?;
-        let timestamps = &slot.timestamps;
+        let submission = &mut self.submissions[self.next];
+        let finished = submission.wait()?;
+        let timestamps = &submission.timestamps;
         let recorded = |recorder: &Recorder<'_>| {
             recorder.reset(timestamps);
             record(recorder, timestamps);
             Ok(())
         };
-        slot.commands.start(recorded, None, None)?;
-        slot.pixels = Some(pixels);
+        submission.commands.start(recorded, None, None)?;
+        submission.pixels = Some(pixels);
         self.next = (self.next + 1) % IN_FLIGHT;
         Ok(finished)
     }
@@ -96,7 +96,7 @@ impl InFlight {
     pub fn finish(&mut self) -> Result<Vec<Finished>> {
         let mut finished = Vec::new();
         for step in 0..IN_FLIGHT {
-            finished.extend(self.slots[(self.next + step) % IN_FLIGHT].wait()?);
+            finished.extend(self.submissions[(self.next + step) % IN_FLIGHT].wait()?);
         }
         Ok(finished)
     }
