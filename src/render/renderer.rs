@@ -34,7 +34,7 @@ pub mod timing;
 
 use display::Display;
 use in_flight::{Finished, InFlight};
-pub use samples::{PictureRequest, Progress};
+pub use samples::{PictureProgress, PictureRequest};
 
 use shadings::Shadings;
 use tiles::{Piece, Tiles};

@@ -49,9 +49,9 @@ impl<'a> PictureRequest<'a> {
     }
 }
 
-/// Progress of a picture.
+/// PictureProgress of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
+pub struct PictureProgress {
     /// Number of samples in the displayed mean.
     pub samples: u32,
     /// Time of the device for the last of them \[ms\].
@@ -72,19 +72,19 @@ impl Renderer {
         &mut self,
         request: &PictureRequest<'_>,
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<Progress>> {
+    ) -> Result<Option<PictureProgress>> {
         let PictureRequest { view, sampling, size, shown } = *request;
         if sampling.count <= 1 {
             let passes = self.shadings.bounded(all_lights(view.light_count(), sampling.sample(0)));
             let drawn = DrawRequest { view, size, passes: &passes };
             let times = self.draw_tiles(drawn, FinalStep::Display(shown), go_on)?;
-            return Ok(times.map(|times| Progress { samples: 1, milliseconds: times.total() }));
+            return Ok(times.map(|times| PictureProgress { samples: 1, milliseconds: times.total() }));
         }
         let before = self.samples_of(view, &sampling, size);
         if before >= sampling.count {
             self.shows = Content::Mean;
             self.display(size, shown)?;
-            return Ok(Some(Progress { samples: before, milliseconds: 0.0 }));
+            return Ok(Some(PictureProgress { samples: before, milliseconds: 0.0 }));
         }
         let group = view.schedule(&sampling).after(before);
         self.add(request, &group, Some(shown), go_on)
@@ -154,7 +154,7 @@ impl Renderer {
         group: &SampleGroup,
         shown: Option<Shown>,
         go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<Progress>> {
+    ) -> Result<Option<PictureProgress>> {
         let PictureRequest { view, sampling, size, .. } = *request;
         if self.accumulation.is_none() {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
@@ -177,7 +177,7 @@ impl Renderer {
             Some(summed) => summed.samples = samples,
             none => *none = Some(Summed { view: view.clone(), sampling, size, samples }),
         }
-        Ok(Some(Progress { samples, milliseconds: times.total() }))
+        Ok(Some(PictureProgress { samples, milliseconds: times.total() }))
     }
 
     /// Returns the number of samples of `view` by `sampling` with `size` pixels in the sum.
