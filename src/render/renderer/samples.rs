@@ -49,7 +49,7 @@ impl<'a> PictureRequest<'a> {
     }
 }
 
-/// PictureProgress of a picture.
+/// Progress of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureProgress {
     /// Number of samples in the displayed mean.
