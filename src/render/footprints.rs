@@ -30,19 +30,19 @@ impl Distribution {
     /// Collects the covered pixels of a frame, one entry of `directions` per light. Pixels whose light or viewer is
     /// below the horizon are not shaded and not counted.
     pub fn of(directions: &[Directions]) -> Self {
-        let mut own = Self::default();
+        let mut sizes = Self::default();
         for seen in directions {
             let above = |(light, view): (&[f32; 4], &[f32; 4])| light[2] > 0.0 && view[2] > 0.0;
             let shaded = seen.light.iter().zip(&seen.view).map(above);
             for (footprint, _) in seen.footprints.iter().zip(shaded).filter(|(_, shaded)| *shaded) {
                 let [minor, major] = semi_axes(*footprint);
-                own.minor.push(minor);
-                own.major.push(major);
+                sizes.minor.push(minor);
+                sizes.major.push(major);
             }
         }
-        own.minor.sort_by(f64::total_cmp);
-        own.major.sort_by(f64::total_cmp);
-        own
+        sizes.minor.sort_by(f64::total_cmp);
+        sizes.major.sort_by(f64::total_cmp);
+        sizes
     }
 
     /// Returns the number of footprints.

@@ -39,7 +39,8 @@ impl View {
     /// already accounts for part of the extent of each light, so it is subtracted.
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
         let room = Self::of(scene, Vec::new()).room();
-        let lights = lights.iter().map(|light| light.map(|own| own.beyond(coherence, &room))).collect();
+        let lights =
+            lights.iter().map(|light| light.map(|emitter| emitter.beyond(coherence, &room))).collect();
         Self {
             environment: scene.environment.clone(),
             shows_surroundings: scene.display.background == Background::Surroundings,
@@ -125,7 +126,7 @@ impl View {
         let LightPass { sample, weight, .. } = *pass;
         let room = self.room();
         let incident = match (self.lights.get(light), &self.environment) {
-            (Some(own), _) => own.emitter.incident(sample.pair(1 + light as u32), sample.count, &room),
+            (Some(found), _) => found.emitter.incident(sample.pair(1 + light as u32), sample.count, &room),
             (None, Some(around)) if self.is_surroundings(light) => {
                 around.incident(sample.rank(), sample.count)
             }
@@ -151,7 +152,7 @@ impl View {
     /// share the map of the light's centre if nobody sees the difference.
     fn shadow_from_world(&self, size: [u32; 2], light: usize, pass: &LightPass) -> Mat4 {
         let sphere = self.shadow_sphere(size);
-        let whole = self.lights.get(light).map(|own| own.emitter.incident([0.5; 2], 1, &self.room()));
+        let whole = self.lights.get(light).map(|light| light.emitter.incident([0.5; 2], 1, &self.room()));
         let shared = whole.filter(|whole| sphere.hides_extent_of(whole));
         let jitter = if shared.is_some() { [0.0; 2] } else { pass.sample.jitter };
         let incident = shared.unwrap_or_else(|| self.incident_of(light, pass));

@@ -222,8 +222,9 @@ impl FrameSet {
     /// Points the set at the picture of surroundings that `other` reads, unless it reads it already. The device must
     /// not be using the set.
     pub fn share_surroundings(&mut self, other: &Self) {
-        let same =
-            |there: &Arc<Surroundings>| self.surroundings.as_ref().is_some_and(|own| Arc::ptr_eq(own, there));
+        let same = |there: &Arc<Surroundings>| {
+            self.surroundings.as_ref().is_some_and(|bound| Arc::ptr_eq(bound, there))
+        };
         if let Some(there) = other.surroundings.as_ref().filter(|there| !same(there)) {
             self.read_surroundings(there.clone());
         }

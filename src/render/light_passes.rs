@@ -171,17 +171,17 @@ mod tests {
                 groups.iter().flat_map(|group| &group.passes).flat_map(|pass| pass.each_light()).collect();
             assert_eq!(all.iter().filter(|pass| pass.is_first).count(), count as usize);
             for light in 0..=lights {
-                let own: Vec<&LightPass> = all.iter().filter(|pass| pass.light == light).collect();
-                let weights: f64 = own.iter().map(|pass| pass.weight).sum();
+                let of_light: Vec<&LightPass> = all.iter().filter(|pass| pass.light == light).collect();
+                let weights: f64 = of_light.iter().map(|pass| pass.weight).sum();
                 assert!((weights - f64::from(count)).abs() < 1e-9, "{count}: {weights}");
-                let numbers: Vec<u32> = own.iter().map(|pass| pass.sample.index).collect();
-                assert_eq!(numbers, (0..own.len() as u32).collect::<Vec<_>>());
-                assert!(own.iter().all(|pass| pass.sample.count == own.len() as u32));
+                let numbers: Vec<u32> = of_light.iter().map(|pass| pass.sample.index).collect();
+                assert_eq!(numbers, (0..of_light.len() as u32).collect::<Vec<_>>());
+                assert!(of_light.iter().all(|pass| pass.sample.count == of_light.len() as u32));
                 let places =
                     |pass: &&LightPass| sampling.sample(pass.sample.index).jitter == pass.sample.jitter;
-                assert!(own.iter().all(places));
+                assert!(of_light.iter().all(places));
                 let seldom = light == lights;
-                assert_eq!(own.len() as u32, if seldom { count.div_ceil(EVERY) } else { count });
+                assert_eq!(of_light.len() as u32, if seldom { count.div_ceil(EVERY) } else { count });
                 let in_group = |group: &SampleGroup| {
                     group.passes.iter().filter(|pass| pass.numbers().contains(&light)).count() as u32
                 };

@@ -49,29 +49,29 @@ pub struct ObjectSource {
 #[derive(Clone)]
 pub struct ObjectSources {
     /// Source under the surroundings and the lights without a separate illuminant.
-    pub own: ObjectSource,
+    pub first: ObjectSource,
     /// Sources under the lights with a separate illuminant, one for each. A light whose illuminant is missing here
-    /// uses `own`.
+    /// uses `first`.
     pub under: Vec<ObjectSource>,
 }
 
 impl ObjectSources {
     /// Returns `source`, shaded by `optics` under all lights.
     pub fn new(source: Source, optics: Optics) -> Self {
-        Self { own: ObjectSource { source, optics }, under: Vec::new() }
+        Self { first: ObjectSource { source, optics }, under: Vec::new() }
     }
 
     /// Iterates over all sources, the default one first.
     pub fn all(&self) -> impl Iterator<Item = &ObjectSource> {
-        std::iter::once(&self.own).chain(&self.under)
+        std::iter::once(&self.first).chain(&self.under)
     }
 
     /// Returns true if the data and pipelines on the device for `other` can be reused: everything that is slow to
     /// upload or compile is the same.
     pub fn shares_data_with(&self, other: &Self) -> bool {
-        let same = |(own, other): (&ObjectSource, &ObjectSource)| {
-            own.source.shares_data_with(&other.source)
-                && own.optics.reflectance.shares_stages_with(&other.optics.reflectance)
+        let same = |(this, other): (&ObjectSource, &ObjectSource)| {
+            this.source.shares_data_with(&other.source)
+                && this.optics.reflectance.shares_stages_with(&other.optics.reflectance)
         };
         self.under.len() == other.under.len() && self.all().zip(other.all()).all(same)
     }

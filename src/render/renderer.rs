@@ -174,8 +174,8 @@ impl Renderer {
         let display = DisplayPass::new(device, target::DISPLAY, gbuffer_settings.depth_format())?;
         display.read_from(&target.radiance);
         let mut shadings = Shadings::new(settings.shadows);
-        for (number, (own, bound)) in objects.iter().zip(sources).enumerate() {
-            let illuminants = own.sources.all().map(|of| &of.optics.illuminant);
+        for (number, (object, bound)) in objects.iter().zip(sources).enumerate() {
+            let illuminants = object.sources.all().map(|of| &of.optics.illuminant);
             shadings.add(number, bound.into_iter().zip(illuminants), settings.specular_spread);
         }
         let upload = |object: &ObjectData<'_>| DeviceObject::new(device, object, &gbuffer);

@@ -111,8 +111,8 @@ impl Sample {
         let order = hash(&[self.seed, 0, u64::from(dimension / 2)]);
         let index = scrambled(self.index, order); // within aligned blocks of 2^k
         let bits = if dimension.is_multiple_of(2) { index.reverse_bits() } else { second_of_sobol(index) };
-        let own = hash(&[self.seed, 1, u64::from(dimension)]);
-        (f64::from(scrambled(bits, own)) + 0.5) / 2f64.powi(BITS as i32)
+        let hashed = hash(&[self.seed, 1, u64::from(dimension)]);
+        (f64::from(scrambled(bits, hashed)) + 0.5) / 2f64.powi(BITS as i32)
     }
 
     /// Returns dimensions 2·`pair` and 2·`pair` + 1 of [`Sample::point`].
@@ -124,8 +124,9 @@ impl Sample {
     /// of 2^n samples are equally spaced. The rank is independent of the coordinates of [`Sample::point`].
     pub fn rank(&self) -> u32 {
         let bits = self.count.next_power_of_two().trailing_zeros();
-        let own = hash(&[self.seed, 2]);
-        let ranked = |index: u32| (u64::from(scrambled(index.reverse_bits(), own)) >> (BITS - bits)) as u32;
+        let hashed = hash(&[self.seed, 2]);
+        let ranked =
+            |index: u32| (u64::from(scrambled(index.reverse_bits(), hashed)) >> (BITS - bits)) as u32;
         // A permutation of 2^n ranks; a rank beyond the last is mapped again until it is in range.
         std::iter::successors(Some(ranked(self.index)), |rank| Some(ranked(*rank)))
             .find(|rank| *rank < self.count)

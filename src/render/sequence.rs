@@ -57,8 +57,11 @@ impl Sequence {
             }
             Motion::LightSweep => {
                 let room = first.room();
-                view.lights =
-                    first.lights.iter().map(|light| light.map(|own| own.turned(degrees, &room))).collect();
+                view.lights = first
+                    .lights
+                    .iter()
+                    .map(|light| light.map(|emitter| emitter.turned(degrees, &room)))
+                    .collect();
                 if let Some(environment) = &mut view.environment {
                     environment.placement.rotation += degrees;
                 }

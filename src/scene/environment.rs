@@ -361,11 +361,11 @@ impl EnvironmentMap {
         let read = || texels.chunks_exact(3).map(Vec3::from_slice);
         let colors: Vec<Vec3> = read().map(|colour| colour.map(bounded)).collect();
         let changed = read().zip(&colors).filter(|(read, used)| read != *used).count();
-        let own = EnvironmentMap { bounded: changed, ..averaged(width as usize, height as usize, colors) };
-        if own.radiance.iter().all(|c| *c == Vec3::ZERO) {
+        let map = EnvironmentMap { bounded: changed, ..averaged(width as usize, height as usize, colors) };
+        if map.radiance.iter().all(|c| *c == Vec3::ZERO) {
             return Err(Error::failed("the surroundings are black", "give a picture that holds light"));
         }
-        Ok(own)
+        Ok(map)
     }
 }
 

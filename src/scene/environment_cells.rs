@@ -143,9 +143,9 @@ mod tests {
         let (width, light) = picture();
         let sums = LightSums::new(width, &light);
         for index in 0..64 {
-            let (own, above) = (sums.cell(index, 64), sums.cell(index / 4, 16));
-            assert!(own.rows.start >= above.rows.start && own.rows.end <= above.rows.end);
-            assert!(own.columns.start >= above.columns.start && own.columns.end <= above.columns.end);
+            let (inner, above) = (sums.cell(index, 64), sums.cell(index / 4, 16));
+            assert!(inner.rows.start >= above.rows.start && inner.rows.end <= above.rows.end);
+            assert!(inner.columns.start >= above.columns.start && inner.columns.end <= above.columns.end);
         }
     }
 

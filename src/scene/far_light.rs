@@ -115,8 +115,8 @@ impl FarLight {
     #[must_use]
     pub fn beyond(self, coherence: &Coherence) -> Self {
         let held = spread_of(coherence);
-        let own = self.variance();
-        let left = if own > 0.0 { (1.0 - held / own).max(0.0).sqrt() } else { 0.0 };
+        let whole = self.variance();
+        let left = if whole > 0.0 { (1.0 - held / whole).max(0.0).sqrt() } else { 0.0 };
         Self { size: self.size * left, ..self }
     }
 }

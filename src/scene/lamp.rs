@@ -122,7 +122,7 @@ impl Lamp {
         /// Smallest remaining share of a lamp's size, which keeps its radiance finite.
         const LEAST: f64 = 1e-3;
         let held = spread_of(coherence) * self.distance(room).powi(2);
-        let left = |own: f64| (1.0 - held / own).max(0.0).sqrt().max(LEAST);
+        let left = |variances: f64| (1.0 - held / variances).max(0.0).sqrt().max(LEAST);
         let shape = match self.shape {
             LampShape::Sphere { diameter } => {
                 LampShape::Sphere { diameter: diameter * left(variance_of_disc(diameter)) }
@@ -164,9 +164,9 @@ impl Lamp {
                 (place, Emits::AllAround { middle: self.middle }, share * variance_of_disc(diameter))
             }
             LampShape::Rectangle { size, .. } => {
-                let own = size.map(variance_of_side);
-                let variance = share * own[0].min(own[1]);
-                let along = |i: usize| size[i] * (1.0 - variance / own[i]).sqrt() * (point[i] - 0.5);
+                let variances = size.map(variance_of_side);
+                let variance = share * variances[0].min(variances[1]);
+                let along = |i: usize| size[i] * (1.0 - variance / variances[i]).sqrt() * (point[i] - 0.5);
                 (DVec2::new(along(0), along(1)), Emits::ToOneSide { normal }, variance)
             }
         };
@@ -367,7 +367,7 @@ mod tests {
             let lamp = Lamp::parse(text).unwrap();
             let normal = lamp.normal(&ROOM);
             let across = DVec3::Z.cross(normal).normalize();
-            let own = match lamp.shape {
+            let variances = match lamp.shape {
                 LampShape::Sphere { diameter } => [variance_of_disc(diameter); 2],
                 LampShape::Rectangle { size, .. } => size.map(variance_of_side),
             };
@@ -378,8 +378,8 @@ mod tests {
                     let [x, y] = [across, normal.cross(across)].map(|axis| from_middle.dot(axis).powi(2));
                     variance + DVec3::new(x, y, from_middle.dot(normal).powi(2))
                 });
-                assert!((spread.x / own[0] - 1.0).abs() < 2e-3, "{text}, {count}: {spread}");
-                assert!((spread.y / own[1] - 1.0).abs() < 2e-3, "{text}, {count}: {spread}");
+                assert!((spread.x / variances[0] - 1.0).abs() < 2e-3, "{text}, {count}: {spread}");
+                assert!((spread.y / variances[1] - 1.0).abs() < 2e-3, "{text}, {count}: {spread}");
             }
         }
     }

@@ -67,7 +67,7 @@ impl Light {
     /// Returns the light, without its spectrum if none of `others` has the same illuminant.
     #[must_use]
     pub fn known_to(&self, others: &[Self]) -> Self {
-        let is_known = |own: &&Illuminant| others.iter().any(|other| other.illuminant() == Some(*own));
+        let is_known = |known: &&Illuminant| others.iter().any(|other| other.illuminant() == Some(*known));
         Self { emitter: self.emitter, spectrum: self.spectrum.as_ref().filter(is_known).cloned() }
     }
 

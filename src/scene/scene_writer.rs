@@ -109,12 +109,14 @@ impl Scene {
             environment: self
                 .environment
                 .as_ref()
-                .map(|own| {
-                    let name = &own.name;
+                .map(|surroundings| {
+                    let name = &surroundings.name;
                     let is_built_in = environment::is_built_in(name);
                     let name = if is_built_in { name.clone() } else { path(Path::new(name))? };
-                    let (rotation, exposure) =
-                        (Some(format!("{}deg", own.placement.rotation)), own.placement.exposure);
+                    let (rotation, exposure) = (
+                        Some(format!("{}deg", surroundings.placement.rotation)),
+                        surroundings.placement.exposure,
+                    );
                     Ok::<_, Error>(EnvironmentDocument { name, rotation, exposure })
                 })
                 .transpose()?,

@@ -162,16 +162,16 @@ fn layers(
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<(Arc<Layers>, Option<Error>)> {
-    let own = layer_settings(&settings.optics, sigma, settings.shortest, limits)?;
-    let key = amplitude::cache::key(field, &own, settings.shift)?;
+    let layers = layer_settings(&settings.optics, sigma, settings.shortest, limits)?;
+    let key = amplitude::cache::key(field, &layers, settings.shift)?;
     let wanted = Wanted {
         key,
         name: "the spectra",
-        memory_limit: amplitude::cache::memory_limit(&own),
+        memory_limit: amplitude::cache::memory_limit(&layers),
         cached: settings.cached,
     };
     let make =
-        |_: &mut InUse| compute_at(field, &own, settings.shift, &|done, of| progress("spectra", done, of));
+        |_: &mut InUse| compute_at(field, &layers, settings.shift, &|done, of| progress("spectra", done, of));
     wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
 }
 
@@ -183,17 +183,17 @@ fn table(
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<(Arc<ColorTable>, Option<Error>)> {
-    let own = settings.table_settings(limits);
+    let baked = settings.table_settings(limits);
     let wanted = Wanted {
-        key: Key::new(&ColorTable::FORMAT, &(settings.power_settings()?, &own), field)?,
+        key: Key::new(&ColorTable::FORMAT, &(settings.power_settings()?, &baked), field)?,
         name: "the colour table",
-        memory_limit: own.memory_limit as u64,
+        memory_limit: baked.memory_limit as u64,
         cached: settings.cached,
     };
     let powers = settings.power_settings()?;
     let make = |in_use: &mut InUse| {
         let series = in_use.series(field, &powers, progress)?;
-        bake(&series, &own, &|done, of| progress("colours", done, of))
+        bake(&series, &baked, &|done, of| progress("colours", done, of))
     };
     wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
 }
@@ -354,5 +354,5 @@ impl SourceSettings {
 /// Returns the data with this `key`, and removes entries that are no longer in use.
 fn in_use_of<T>(known: &mut Known<T>, key: &Key) -> Option<Arc<T>> {
     known.retain(|(_, data)| data.strong_count() > 0);
-    known.iter().find(|(own, _)| own == key).and_then(|(_, data)| data.upgrade())
+    known.iter().find(|(known_key, _)| known_key == key).and_then(|(_, data)| data.upgrade())
 }

@@ -88,9 +88,9 @@ impl ObjectSurface {
         source.optics.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
         let polarisation = source.optics.reflectance.polarisation();
         source.optics.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
-        let own = Self { field, source };
-        own.check_heights()?;
-        Ok(own)
+        let prepared = Self { field, source };
+        prepared.check_heights()?;
+        Ok(prepared)
     }
 
     /// Fails early for heights that no table supports.
@@ -117,11 +117,11 @@ impl ObjectSurface {
         size: [u32; 2],
         sampling: &Sampling,
     ) -> Result<Self> {
-        let mut own = self.clone();
+        let mut prepared = self.clone();
         if self.field.is_some() && averages_footprints(&self.source) {
-            own.source.footprints = footprints::sizes(device, mesh, views, size, sampling)?;
+            prepared.source.footprints = footprints::sizes(device, mesh, views, size, sampling)?;
         }
-        Ok(own)
+        Ok(prepared)
     }
 
     /// Returns the sources of the object in `views`: those that `make` returns under the scene's illuminant, and under
@@ -178,7 +178,7 @@ impl<'a> PreparedScene<'a> {
         let objects = objects(scene, &textures, &sources);
         let shadows = RendererSettings { shadows: scene.shadows, ..RendererSettings::default() };
         let renderer = Renderer::new(device, &objects, size, shadows)?;
-        let source = sources.swap_remove(0).own.source;
+        let source = sources.swap_remove(0).first.source;
         Ok(Self { settings, shown: Shown::of(scene), source, renderer })
     }
 

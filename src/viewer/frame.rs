@@ -36,10 +36,10 @@ pub struct FrameRequest {
     /// Mesh and pigment.
     pub loaded: Arc<LoadedScene>,
     /// Main setting, left of the split.
-    pub own: Arc<Prepared>,
+    pub full: Arc<Prepared>,
     /// Setting to compare with, right of the split.
     pub other: Option<Arc<Prepared>>,
-    /// Cheaper setting that replaces `own` at this quality.
+    /// Cheaper setting that replaces `full` at this quality.
     pub lighter: Option<Arc<Prepared>>,
     /// Resolution and detail.
     pub quality: Quality,
@@ -69,7 +69,7 @@ impl FrameRequest {
     pub fn shows_the_same_as(&self, other: &Self) -> bool {
         let number = |p: &Option<Arc<Prepared>>| p.as_ref().map(|p| p.number);
         Arc::ptr_eq(&self.loaded, &other.loaded)
-            && self.own.number == other.own.number
+            && self.full.number == other.full.number
             && number(&self.other) == number(&other.other)
             && self.compare == other.compare
             && self.quality == other.quality
@@ -84,7 +84,7 @@ impl FrameRequest {
 
     /// Returns true if an error measured on the picture of `other` is valid for this one too.
     pub fn has_the_radiance_of(&self, other: &Self) -> bool {
-        self.view == other.view && self.own.number == other.own.number && self.size == other.size
+        self.view == other.view && self.full.number == other.full.number && self.size == other.size
     }
 }
 
@@ -150,7 +150,7 @@ pub(super) mod tests {
         FrameRequest {
             view: View::of(&scene, scene.lights.clone()),
             loaded: Arc::new(LoadedScene::of(scene).unwrap()),
-            own: Arc::new(Prepared::pigment_alone().unwrap()),
+            full: Arc::new(Prepared::pigment_alone().unwrap()),
             other: None,
             lighter: None,
             quality: Quality::WHOLE,

@@ -50,7 +50,7 @@ impl Slot {
                 .prepared
                 .of_objects(self.objects())
                 .zip(prepared.of_objects(self.objects()))
-                .all(|(own, other)| own.shares_data_with(other))
+                .all(|(full, other)| full.shares_data_with(other))
     }
 
     /// Returns the number of objects of the scene.
@@ -60,7 +60,7 @@ impl Slot {
 
     /// Returns true if it shows `request`, as one sample or as a mean, so that samples can be added.
     fn is_ready_for(&self, request: &FrameRequest) -> bool {
-        self.prepared.number == request.own.number
+        self.prepared.number == request.full.number
             && self.displayed.as_ref().is_some_and(|shown| {
                 let FrameRequest { view, sampling, .. } = request;
                 // The exposure is not compared: it may have been measured.
@@ -115,7 +115,7 @@ struct CountedPicture {
 
 /// State that the render thread keeps between frames.
 pub struct FrameRenderer {
-    own: Option<Slot>,
+    full: Option<Slot>,
     other: Option<Slot>,
     // Renderers of moving pictures.
     coarse: Option<Slot>,
@@ -135,7 +135,7 @@ impl FrameRenderer {
     /// Makes a renderer without renderers.
     pub fn new(device: Arc<Device>) -> Self {
         Self {
-            own: None,
+            full: None,
             other: None,
             coarse: None,
             fewer_wavelengths: None,
@@ -205,11 +205,11 @@ impl FrameRenderer {
         };
         self.drop_outdated(request);
         let slot = match (request.quality.detail, &request.lighter) {
-            (Detail::Full, _) | (_, None) => &mut self.own,
+            (Detail::Full, _) | (_, None) => &mut self.full,
             (Detail::Coarse, _) => &mut self.coarse,
             (Detail::FewerWavelengths, _) => &mut self.fewer_wavelengths,
         };
-        let prepared = request.lighter.as_ref().unwrap_or(&request.own);
+        let prepared = request.lighter.as_ref().unwrap_or(&request.full);
         let size = request.quality.size(request.size);
         let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, request));
         let mut own_goes_on = |part| go_on(Side::Own, part);
@@ -256,14 +256,14 @@ impl FrameRenderer {
             exposure: measured,
             inset,
             difference,
-            number: request.own.number,
+            number: request.full.number,
         }))))
     }
 
     /// Adds samples to the frame of `request`; `None` if it is no longer shown or was interrupted.
     fn refine(&mut self, request: FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
         let start = Instant::now();
-        let Some(slot) = self.own.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
+        let Some(slot) = self.full.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
             return Ok(None);
         };
         let mut go_on = |_: f64| {
@@ -289,7 +289,7 @@ impl FrameRenderer {
             exposure: None,
             inset: None,
             difference: None,
-            number: request.own.number,
+            number: request.full.number,
         };
         if samples < request.sampling.count {
             queue.refine(request);
@@ -304,11 +304,11 @@ impl FrameRenderer {
         request: &FrameRequest,
         size: [u32; 2],
     ) -> Result<Option<(Arc<Image>, Option<f64>)>> {
-        let (Some(own), Some(other)) = (&self.own, &self.other) else { return Ok(None) };
+        let (Some(full), Some(other)) = (&self.full, &self.other) else { return Ok(None) };
         let Compare::Difference(metric) = request.compare else {
             return Ok(Some((other.renderer.target().display.clone(), None)));
         };
-        let [judged, judge] = [own.renderer.read_back()?, other.renderer.read_back()?];
+        let [judged, judge] = [full.renderer.read_back()?, other.renderer.read_back()?];
         let map = difference::map(metric, &judged, &judge, request.shown, size);
         let (format, data) = (target::DISPLAY, bytemuck::cast_slice(&map.pixels));
         let size = size.map(|n| n as usize);
@@ -320,25 +320,25 @@ impl FrameRenderer {
     fn drop_outdated(&mut self, request: &FrameRequest) {
         for slot in [&mut self.coarse, &mut self.fewer_wavelengths] {
             // Cheaper settings are requested after the main one, so that their numbers are larger.
-            slot.take_if(|slot| slot.prepared.number < request.own.number);
+            slot.take_if(|slot| slot.prepared.number < request.full.number);
         }
     }
 
     /// Returns the hemisphere `wanted`, computed from a texture that is on the device already.
     fn hemisphere(&mut self, request: &FrameRequest, wanted: InsetRequest) -> Result<Option<Arc<Inset>>> {
-        let number = request.own.number;
+        let number = request.full.number;
         if let Some((inset, of)) = &self.inset
             && (inset.request, *of) == (wanted, number)
         {
             return Ok(Some(inset.clone()));
         }
         let has = |slot: &&mut Slot, number: u64| slot.prepared.number == number;
-        let own = self.own.as_mut().filter(|slot| has(slot, number));
+        let full = self.full.as_mut().filter(|slot| has(slot, number));
         // The spectra of moving pictures are accurate enough for an inset of a few thousand points.
         let lighter = request.lighter.as_ref().map(|prepared| prepared.number);
         let mut others = [&mut self.coarse, &mut self.fewer_wavelengths].into_iter().flatten();
         let other = others.find(|slot| lighter.is_some_and(|number| has(slot, number)));
-        let Some(slot) = own.or(other) else { return Ok(None) };
+        let Some(slot) = full.or(other) else { return Ok(None) };
         let inset = Arc::new(inset::hemisphere(&mut slot.renderer, wanted)?);
         self.inset = Some((inset.clone(), number));
         Ok(Some(inset))
@@ -349,29 +349,29 @@ impl FrameRenderer {
         let PixelRequest { number, frame, at } = request;
         let is_there = |slot: &&mut Slot| {
             let shows = |shown: &Displayed| shown.view == frame.view && shown.size == frame.size;
-            slot.prepared.number == frame.own.number && slot.displayed.as_ref().is_some_and(shows)
+            slot.prepared.number == frame.full.number && slot.displayed.as_ref().is_some_and(shows)
         };
-        let Some(slot) = self.own.as_mut().filter(is_there) else { return Ok(None) };
+        let Some(slot) = self.full.as_mut().filter(is_there) else { return Ok(None) };
         let pixel = slot.renderer.pixel(&frame.view, at)?;
         // The settings apply to the first object alone.
         let pixel = pixel.filter(|pixel| pixel.directions.iter().all(|seen| seen.object(0) == 0));
-        let reading = pixel.map(|pixel| Box::new(Reading::new(number, frame.own, frame.view, pixel)));
+        let reading = pixel.map(|pixel| Box::new(Reading::new(number, frame.full, frame.view, pixel)));
         Ok(Some(RenderReply::Pixel(reading)))
     }
 
     /// Counts the cost of the whole picture, once per picture.
     fn count(&mut self, request: &FrameRequest) -> Result<Option<PictureCost>> {
-        let (number, size) = (request.own.number, request.size);
+        let (number, size) = (request.full.number, request.size);
         let known = self.counted.as_ref();
         if let Some(known) =
             known.filter(|c| c.number == number && c.view == request.view && c.size == request.size)
         {
             return Ok(Some(known.cost));
         }
-        let Some(slot) = &mut self.own else { return Ok(None) };
+        let Some(slot) = &mut self.full else { return Ok(None) };
         let pixels = size[0] as usize * size[1] as usize;
         let directions = error_probe::directions(&mut slot.renderer, &request.view)?;
-        let (source, optics) = (request.own.source(), request.own.optics());
+        let (source, optics) = (request.full.source(), request.full.optics());
         let counted = match source {
             // The mip level of a table depends on the distance between neighbouring pixels, so that all pixels are
             // needed.
@@ -399,8 +399,8 @@ impl FrameRenderer {
         // Errors are measured on a single sample.
         let sampling = if matches!(job, Job::Samples(_)) { Sampling::ONE } else { request.sampling };
         let drawn = FrameRequest { sampling, ..request.clone() };
-        paint(&self.device, &mut self.own, &request.own, &drawn, request.size, &mut go_on)?;
-        let Some(slot) = &mut self.own else {
+        paint(&self.device, &mut self.full, &request.full, &drawn, request.size, &mut go_on)?;
+        let Some(slot) = &mut self.full else {
             return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
         };
         match job {
@@ -414,19 +414,19 @@ impl FrameRenderer {
                         })?
                         .ok_or_else(|| Error::failed("the window was closed", "save the picture again"))?;
                 }
-                let own = &request.own;
+                let full = &request.full;
                 let note = || {
-                    let optics = own.optics();
+                    let optics = full.optics();
                     let colour = LightColour::Spectrum(&optics.illuminant);
-                    ScalarTheory::note(&own.field, &optics.reflectance, colour)
+                    ScalarTheory::note(&full.field, &optics.reflectance, colour)
                 };
                 let scalar_theory =
-                    own.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
+                    full.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
                 Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.read_back()?), scalar_theory))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {
                 samples: error_probe::samples(&mut slot.renderer, &request.view)?,
-                prepared: request.own.clone(),
+                prepared: request.full.clone(),
                 view: request.view.clone(),
                 exposure: request.shown.exposure,
             }))),

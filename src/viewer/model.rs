@@ -158,10 +158,10 @@ pub enum Stage {
 pub struct Sources {
     /// Surface that does not diffract, drawn before any other is ready.
     pub pigment: Option<Arc<Prepared>>,
-    /// First colours, until `own` is ready.
+    /// First colours, until `full` is ready.
     pub preview: Option<Preview>,
     /// Settings requested by the user.
-    pub own: Option<Arc<Prepared>>,
+    pub full: Option<Arc<Prepared>>,
     /// For moving pictures: fewer terms and wavelengths.
     pub coarse: Option<Arc<Prepared>>,
     /// For moving pictures: fewer wavelengths.
@@ -183,9 +183,9 @@ impl Sources {
     /// Returns the data that still pictures are drawn from, and its stage.
     pub fn shown(&self) -> Option<(&Arc<Prepared>, Stage)> {
         let preview = self.preview.as_ref().map(|preview| (&preview.prepared, Stage::Preview));
-        let own = self.own.as_ref().map(|own| (own, Stage::Own));
+        let full = self.full.as_ref().map(|full| (full, Stage::Own));
         let pigment = self.pigment.as_ref().map(|pigment| (pigment, Stage::Pigment));
-        preview.or(own).or(pigment)
+        preview.or(full).or(pigment)
     }
 
     /// Returns the stage of the displayed colours.
@@ -213,14 +213,14 @@ impl Sources {
 
     /// Returns a description of the running computation, and the fraction done.
     pub fn in_progress(&self) -> Option<(&'static str, f32)> {
-        let own = match self.stage() {
+        let full = match self.stage() {
             Stage::Pigment => "pigment alone, preparing colours",
             Stage::Preview => "preview of the colours, preparing finer ones",
             Stage::Own => "preparing new settings, shown as before",
         };
         let named = [
-            (Role::Preview, own),
-            (Role::Own, own),
+            (Role::Preview, full),
+            (Role::Own, full),
             (Role::Other, "preparing the comparison"),
             (Role::AsSeen, "preparing colours for this view"),
             (Role::Coarse, "preparing previews"),
@@ -693,7 +693,7 @@ mod tests {
         model.pacing.moving = true;
         assert_eq!(model.quality_after(Some(7)), Quality::FIRST);
         model.pacing.moving = false;
-        model.sources.own = Some(prepared);
+        model.sources.full = Some(prepared);
         assert_eq!(model.quality_after(Some(6)), Quality::WHOLE);
     }
 
@@ -725,15 +725,15 @@ mod tests {
     fn the_view_follows_the_picture_until_the_user_has_chosen_one() {
         let mut model = model();
         show(&mut model, "sphere");
-        let own = model.settings.camera;
+        let before = model.settings.camera;
         assert!(!model.fit_view());
-        assert_eq!(model.settings.camera, own, "the scene's own where it fits");
+        assert_eq!(model.settings.camera, before, "the scene's own where it fits");
         model.size = [200, 800];
         assert!(model.fit_view());
-        assert!(model.settings.camera.distance > own.distance);
+        assert!(model.settings.camera.distance > before.distance);
         model.size = [640, 480];
         assert!(model.fit_view());
-        assert_eq!(model.settings.camera, own);
+        assert_eq!(model.settings.camera, before);
         model.settings.camera.phi += 0.5;
         let chosen = model.settings.camera;
         model.size = [200, 800];

@@ -68,7 +68,7 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
         };
         at.y = progress(painter, at, width, what, part).top() - 6.0;
     } else if let Some(frame) = &model.frame {
-        let is_own = model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);
+        let is_own = model.sources.full.as_ref().is_some_and(|full| full.number == frame.number);
         let text = match (model.pacing.moving, frame.quality) {
             (true, quality) => format!("{quality}, {:.0} ms", frame.wall_ms),
             (false, Quality::WHOLE) if is_own && frame.samples > 1 => {
@@ -154,10 +154,10 @@ fn sides(model: &Model) -> [String; 2] {
 fn split(painter: &Painter, rect: Rect, model: &Model) {
     let x = rect.left() + model.comparison.own_part() * rect.width();
     let top = rect.top() + MARGIN;
-    let [own, other] = sides(model);
+    let [full, other] = sides(model);
     if let Some(side) = model.comparison.whole {
         let text = match side {
-            Side::Own => format!("A: {own}"),
+            Side::Own => format!("A: {full}"),
             Side::Other => format!("B: {other}"),
         };
         note(painter, pos2(rect.center().x, top), Align2::CENTER_TOP, rect.width(), &text, style::TEXT);
@@ -166,7 +166,7 @@ fn split(painter: &Painter, rect: Rect, model: &Model) {
         let left = painter.with_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
         // Names that are too long are cut off instead of wrapped.
         let wide = f32::INFINITY;
-        note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &own, style::TEXT);
+        note(&left, pos2(x - MARGIN, top), Align2::RIGHT_TOP, wide, &full, style::TEXT);
         let right = painter.with_clip_rect(Rect::from_min_max(pos2(x, rect.top()), rect.max));
         note(&right, pos2(x + MARGIN, top), Align2::LEFT_TOP, wide, &other, style::TEXT);
     }

@@ -59,12 +59,12 @@ pub struct Prepared {
 impl Prepared {
     /// Returns the source of the first object under the illuminant of the settings.
     pub fn source(&self) -> &Source {
-        &self.objects[0].own.source
+        &self.objects[0].first.source
     }
 
     /// Returns the settings of the optics of the first object.
     pub fn optics(&self) -> &Optics {
-        &self.objects[0].own.optics
+        &self.objects[0].first.optics
     }
 
     /// Returns true if the first object's data on the device for `other` can be reused.

@@ -229,13 +229,17 @@ impl Preparer {
             reply(WorkerReply::Field(field.clone()));
         }
         let mut note = None;
-        let objects = match &request.picture {
-            Some(picture) => self.objects(request, &field, picture, &mut note, progress)?,
-            None => {
-                let own = ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
-                vec![own.sources(&[], &mut |own| self.source(own, &mut note, progress))?]
-            }
-        };
+        let objects =
+            match &request.picture {
+                Some(picture) => self.objects(request, &field, picture, &mut note, progress)?,
+                None => {
+                    let picture_source =
+                        ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
+                    vec![picture_source.sources(&[], &mut |picture_source| {
+                        self.source(picture_source, &mut note, progress)
+                    })?]
+                }
+            };
         let relief = self.relief(&field, request.role);
         let optics = &request.settings.optics;
         let colour = LightColour::Spectrum(&optics.illuminant);
@@ -304,7 +308,7 @@ impl Preparer {
             }
             _ => surface.clone(),
         };
-        surface.sources(views, &mut |own| self.source(own, note, progress))
+        surface.sources(views, &mut |picture_source| self.source(picture_source, note, progress))
     }
 
     /// Makes the source of `surface` under one illuminant.

@@ -69,14 +69,14 @@ fn sources(
         let source = source(device, field, &optics, method, FootprintSizes::default());
         ObjectSource { source, optics }
     });
-    ObjectSources { own: all.next().unwrap(), under: all.collect() }
+    ObjectSources { first: all.next().unwrap(), under: all.collect() }
 }
 
 fn dark(illuminants: &[Illuminant]) -> ObjectSources {
     let mut all = illuminants
         .iter()
         .map(|illuminant| ObjectSource { source: pigment_alone(), optics: optics(illuminant.clone()) });
-    ObjectSources { own: all.next().unwrap(), under: all.collect() }
+    ObjectSources { first: all.next().unwrap(), under: all.collect() }
 }
 
 #[test]

@@ -78,7 +78,7 @@ impl Accumulation {
         let drawing = Drawing { vertex_stride: 0, attributes: &[], colors: &[target::RADIANCE], depth: None };
         let (vertex, fragment) = (shader!("display.vert"), shader!("accumulate.frag"));
         let push_bytes = size_of::<WeightsBlock>() as u32;
-        let own = Self {
+        let made = Self {
             pipeline: Pipeline::adding(device, vertex, fragment, &drawing, &[&radiance], push_bytes)?,
             radiance,
             display: DisplayPass::of_mean(device, target::DISPLAY)?,
@@ -86,8 +86,8 @@ impl Accumulation {
             group: None,
             sampler: Sampler::nearest(device, "accumulation sampler")?,
         };
-        own.point_at(target);
-        Ok(own)
+        made.point_at(target);
+        Ok(made)
     }
 
     /// Sets the size of the following samples to that of `target`. The device must not be using the passes.

@@ -60,6 +60,6 @@ impl LightPipelines {
 
     /// Returns the pipeline for `run`, once it is prepared.
     pub fn of(&self, run: LightRun) -> Option<&Pipeline> {
-        self.0.iter().find(|(own, _)| *own == run).map(|(_, pipeline)| pipeline)
+        self.0.iter().find(|(compiled, _)| *compiled == run).map(|(_, pipeline)| pipeline)
     }
 }

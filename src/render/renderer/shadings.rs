@@ -57,7 +57,7 @@ impl Shadings {
         sources: impl IntoIterator<Item = (BoundSource, &'a Illuminant)>,
         spread: Option<f64>,
     ) {
-        let own = sources.into_iter().enumerate().map(|(place, (source, illuminant))| ObjectShading {
+        let entry = sources.into_iter().enumerate().map(|(place, (source, illuminant))| ObjectShading {
             object,
             is_first: place == 0,
             illuminant: illuminant.clone(),
@@ -66,7 +66,7 @@ impl Shadings {
             specular_spread: spread.map(|spread| spread as f32).or(source.specular_spread),
             source,
         });
-        self.all.extend(own);
+        self.all.extend(entry);
     }
 
     /// Returns the default source of the first object.
@@ -76,7 +76,7 @@ impl Shadings {
 
     /// Iterates over the default shading of each object.
     pub fn defaults(&self) -> impl Iterator<Item = &ObjectShading> {
-        self.all.iter().filter(|own| own.is_first)
+        self.all.iter().filter(|entry| entry.is_first)
     }
 
     /// Takes the data that depends on the index, the illuminant or the number of copies from `sources`.
@@ -88,11 +88,11 @@ impl Shadings {
         device: &Arc<Device>,
         sources: impl Iterator<Item = &'a ObjectSource>,
     ) -> Result<()> {
-        for (own, ObjectSource { source, optics }) in self.all.iter_mut().zip(sources) {
-            source.rebind(device, &mut own.source, optics)?;
-            if own.illuminant != optics.illuminant {
-                own.illuminant.clone_from(&optics.illuminant);
-                own.white = white_of(&optics.illuminant);
+        for (entry, ObjectSource { source, optics }) in self.all.iter_mut().zip(sources) {
+            source.rebind(device, &mut entry.source, optics)?;
+            if entry.illuminant != optics.illuminant {
+                entry.illuminant.clone_from(&optics.illuminant);
+                entry.white = white_of(&optics.illuminant);
             }
         }
         Ok(())
@@ -100,7 +100,7 @@ impl Shadings {
 
     /// Returns `passes`, or passes of one light each if sums over wavelengths make a light long to draw.
     pub fn bounded(&self, passes: Vec<LightPass>) -> Vec<LightPass> {
-        if self.all.iter().all(|own| own.source.parts(false) == 1) {
+        if self.all.iter().all(|entry| entry.source.parts(false) == 1) {
             return passes;
         }
         passes.into_iter().flat_map(LightPass::each_light).collect()
@@ -109,19 +109,19 @@ impl Shadings {
     /// Returns the number of parts of a pixel's sum in `pass` of `view`.
     pub fn parts(&self, view: &View, pass: &LightPass) -> u32 {
         let mirrors = self.mirrors(view, pass);
-        self.all.iter().map(|own| own.source.parts(mirrors)).max().unwrap_or(1)
+        self.all.iter().map(|entry| entry.source.parts(mirrors)).max().unwrap_or(1)
     }
 
     /// Returns the largest number of loop iterations of a pixel in `pass` of `view`.
     pub fn iterations(&self, view: &View, pass: &LightPass) -> usize {
         let mirrors = self.mirrors(view, pass);
-        let of = |own: &ObjectShading| own.source.iterations_of_pixel(mirrors) * pass.lights;
+        let of = |entry: &ObjectShading| entry.source.iterations_of_pixel(mirrors) * pass.lights;
         self.all.iter().map(of).max().unwrap_or(0)
     }
 
     /// Returns true if the specular order of surroundings is reflected separately.
     pub fn mirrors_surroundings(&self) -> bool {
-        self.all.iter().any(|own| own.specular_spread.is_some())
+        self.all.iter().any(|entry| entry.specular_spread.is_some())
     }
 
     /// Returns true if `pass` of `view` mirrors surroundings.
@@ -151,11 +151,11 @@ impl Shadings {
         settings: GBufferSettings,
         (view, pass): (&View, &LightPass),
     ) -> Result<()> {
-        let runs: Vec<_> = self.all.iter().map(|own| self.runs(view, pass, own)).collect();
-        for (own, runs) in self.all.iter_mut().zip(runs) {
-            let frame = &objects[own.object].frame.descriptors;
+        let runs: Vec<_> = self.all.iter().map(|entry| self.runs(view, pass, entry)).collect();
+        for (entry, runs) in self.all.iter_mut().zip(runs) {
+            let frame = &objects[entry.object].frame.descriptors;
             for lights in runs {
-                own.pass.prepare(device, lights, frame, &own.source, settings)?;
+                entry.pass.prepare(device, lights, frame, &entry.source, settings)?;
             }
         }
         Ok(())
@@ -169,25 +169,25 @@ impl Shadings {
         pass: &LightPass,
     ) -> Vec<ShadedObject<'a>> {
         let mut draws = Vec::new();
-        for own in &self.all {
-            draws.extend(self.runs(view, pass, own).into_iter().map(|run| ShadedObject {
-                number: own.object,
-                object: &objects[own.object],
-                source: &own.source,
-                pass: &own.pass,
+        for entry in &self.all {
+            draws.extend(self.runs(view, pass, entry).into_iter().map(|run| ShadedObject {
+                number: entry.object,
+                object: &objects[entry.object],
+                source: &entry.source,
+                pass: &entry.pass,
                 lights: run,
-                white: own.white,
+                white: entry.white,
                 counts: pass.is_first && run.first == 0,
             }));
         }
         draws
     }
 
-    /// Returns the lights of `pass` of `view` that `own` shades, as runs of consecutive lights of one kind.
-    fn runs(&self, view: &View, pass: &LightPass, own: &ObjectShading) -> Vec<LightRun> {
+    /// Returns the lights of `pass` of `view` that `entry` shades, as runs of consecutive lights of one kind.
+    fn runs(&self, view: &View, pass: &LightPass, entry: &ObjectShading) -> Vec<LightRun> {
         let mut runs: Vec<LightRun> = Vec::new();
         for (place, light) in (0..).zip(pass.numbers()) {
-            if !self.shades(own, view.illuminant(light)) {
+            if !self.shades(entry, view.illuminant(light)) {
                 continue;
             }
             let alone = LightRun { first: place, ..self.run_of(view, light) };
@@ -199,15 +199,15 @@ impl Shadings {
         runs
     }
 
-    /// Returns true if `own` shades its object under a light of this `illuminant`: it has the same illuminant, or it is
+    /// Returns true if `entry` shades its object under a light of this `illuminant`: it has the same illuminant, or it is
     /// the object's default and no shading of the object matches.
-    fn shades(&self, own: &ObjectShading, illuminant: Option<&Illuminant>) -> bool {
-        let mut of_object = self.all.iter().filter(|other| other.object == own.object);
+    fn shades(&self, entry: &ObjectShading, illuminant: Option<&Illuminant>) -> bool {
+        let mut of_object = self.all.iter().filter(|other| other.object == entry.object);
         match illuminant {
             Some(illuminant) if of_object.any(|other| other.illuminant == *illuminant) => {
-                *illuminant == own.illuminant
+                *illuminant == entry.illuminant
             }
-            _ => own.is_first,
+            _ => entry.is_first,
         }
     }
 }

@@ -116,12 +116,12 @@ impl BoundSource {
         const MARKED: u32 = 0;
         const OWN_REFLECTANCE: u32 = 1;
         const NORMAL_OF_PIGMENT: u32 = 2;
-        let own = [
+        let stage_constants = [
             Constant::new(MARKED, self.asks_what_is_covered),
             Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
             Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
         ];
-        [own.as_slice(), &self.constants].concat()
+        [stage_constants.as_slice(), &self.constants].concat()
     }
 
     /// Returns the number of parts of a pixel's sum under one light. `surrounded`: the specular order of surroundings

@@ -33,12 +33,12 @@ fn times_and_sizes(ui: &mut Ui, model: &Model) {
         });
         value(ui, row, frame);
     }
-    if let Some(own) = &model.sources.own {
-        let Extent { layers, size: [width, height], bytes } = own.source().extent();
+    if let Some(full) = &model.sources.full {
+        let Extent { layers, size: [width, height], bytes } = full.source().extent();
         value(ui, &rows::TEXTURE, format!("{layers} of {width} × {height} texels, {}", mib(bytes as f64)));
     }
     let cost = model.frame.as_ref().and_then(|e| e.cost);
-    let terms = model.sources.own.as_ref().and_then(|own| own.source().terms());
+    let terms = model.sources.full.as_ref().and_then(|full| full.source().terms());
     let counted = cost.map_or("not counted yet".to_owned(), |c| match terms {
         Some(terms) => format!("{:.0} a pixel, {terms} terms, {:.0} λ", c.samples, c.wavelengths),
         None => format!("{:.0} a pixel, of a colour table", c.samples),
@@ -48,11 +48,11 @@ fn times_and_sizes(ui: &mut Ui, model: &Model) {
 }
 
 fn errors(ui: &mut Ui, model: &mut Model) {
-    if let Some(own) = &model.sources.own {
-        let optics = own.optics();
+    if let Some(full) = &model.sources.full {
+        let optics = full.optics();
         value(ui, &rows::BOUND, bound(&optics.terms, &optics.wavelengths, optics.tolerance));
     }
-    let theory = model.sources.own.as_ref().and_then(|own| own.scalar_theory.as_ref());
+    let theory = model.sources.full.as_ref().and_then(|full| full.scalar_theory.as_ref());
     rows::show(ui, &rows::SCALAR_THEORY, |ui| match theory {
         Some(theory) => {
             ui.add(egui::Label::new(theory.brief()).truncate()).on_hover_text(theory.line());
@@ -65,7 +65,8 @@ fn errors(ui: &mut Ui, model: &mut Model) {
         Some(ProbeStatus::Done(e)) => {
             let [error, interval] = [e.relative_l2, e.relative_l2_interval].map(|x| x * 1e2);
             let text = format!("{error:.3} ± {interval:.3} % over {} pixels", e.pixels);
-            let promised = model.sources.own.as_ref().and_then(|own| own.optics().promised_of_one_sample());
+            let promised =
+                model.sources.full.as_ref().and_then(|full| full.optics().promised_of_one_sample());
             match promised.filter(|promised| e.exceeds(*promised)) {
                 Some(promised) => {
                     ui.label(format!("{text}: more than the {} that are promised", percent(promised)));

@@ -46,9 +46,9 @@ impl ViewerWindow {
         self.model.say(format!("recording into {}", folder.display()));
         self.model.recording = Some(TaskProgress { done: 0, of: count as usize });
         self.recording = Some(Recording { sequence, file, command, first: None, done: 0 });
-        let own = self.model.settings.clone();
-        if own.optics.settled().windows == Windows::All {
-            self.request_for_views(&own, views);
+        let wanted = self.model.settings.clone();
+        if wanted.optics.settled().windows == Windows::All {
+            self.request_for_views(&wanted, views);
         } else {
             self.begin_recording();
         }

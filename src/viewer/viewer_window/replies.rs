@@ -97,9 +97,9 @@ impl ViewerWindow {
             model.sources.preview = None;
         }
         if role == Role::Own
-            && let Some(own) = &model.sources.own
+            && let Some(full) = &model.sources.full
         {
-            let number = own.number;
+            let number = full.number;
             model.revert();
             let settings = model.settings.clone();
             self.requested.preparations[role as usize] = Some(PreparationRequest { number, settings });
@@ -131,10 +131,10 @@ impl ViewerWindow {
     /// Shows the first colours of the main setting, unless that is ready.
     fn preview(&mut self, prepared: Arc<Prepared>) {
         let model = &mut self.model;
-        let is_ready = model.sources.own.as_ref().is_some_and(|own| own.number > prepared.number);
-        if let Some(own) = self.requested.preparations[Role::Own as usize].as_ref().filter(|_| !is_ready) {
+        let is_ready = model.sources.full.as_ref().is_some_and(|full| full.number > prepared.number);
+        if let Some(full) = self.requested.preparations[Role::Own as usize].as_ref().filter(|_| !is_ready) {
             let scene = model.applied.scene.clone();
-            let settings = ViewSettings { scene, ..own.settings.clone() };
+            let settings = ViewSettings { scene, ..full.settings.clone() };
             model.sources.preview = Some(Preview { prepared, settings });
             self.set_title();
         }
@@ -148,7 +148,7 @@ impl ViewerWindow {
             model.applied = ViewSettings { scene, ..request.settings.clone() };
         }
         model.surface_pane.take_field(prepared.field.clone());
-        model.sources.own = Some(prepared);
+        model.sources.full = Some(prepared);
         model.sources.preview = None;
         model.sources.progress[Role::Preview as usize] = None;
         model.pacing.quality.invalidate();
@@ -163,10 +163,10 @@ impl ViewerWindow {
     /// Replaces the main source by the one for the present view, unless both share their data.
     fn take_as_seen(&mut self, prepared: Arc<Prepared>) {
         self.requested.preparations[Role::AsSeen as usize] = None;
-        let own = self.model.sources.own.as_mut();
-        if let Some(own) = own.filter(|own| !own.shares_data_with(&prepared)) {
+        let full = self.model.sources.full.as_mut();
+        if let Some(full) = full.filter(|full| !full.shares_data_with(&prepared)) {
             let number = prepared.number;
-            *own = prepared;
+            *full = prepared;
             self.drop_lighter();
             if let Some(request) = &mut self.requested.preparations[Role::Own as usize] {
                 request.number = number;
@@ -213,8 +213,8 @@ impl ViewerWindow {
         }
         // A change of the display alone takes no time on the device and gives no information about frame times. Neither
         // do previews.
-        let own = self.model.sources.own.as_ref().is_some_and(|own| own.number == frame.number);
-        if frame.gpu_ms > 0.0 && own {
+        let full = self.model.sources.full.as_ref().is_some_and(|full| full.number == frame.number);
+        if frame.gpu_ms > 0.0 && full {
             self.model.pacing.history.push(frame.wall_ms, frame.pace);
             self.model.pacing.quality.record(frame.quality, frame.wall_ms, frame.first);
         }

@@ -21,27 +21,28 @@ use std::sync::Arc;
 impl ViewerWindow {
     /// Requests every setting that is needed and not requested yet.
     pub(super) fn request_preparations(&mut self) {
-        let own = self.model.settings.clone();
-        self.request_preview(&own);
-        self.request_preparation(Role::Own, &own);
+        let wanted = self.model.settings.clone();
+        self.request_preview(&wanted);
+        self.request_preparation(Role::Own, &wanted);
         if self.model.comparison.mode != Compare::Alone {
             let other = &self.model.comparison;
-            let optics = own.optics.as_accurate_as(&other.optics);
-            let surface = other.surface.clone().unwrap_or_else(|| own.surface.clone());
-            self.request_preparation(Role::Other, &ViewSettings { optics, surface, ..own.clone() });
+            let optics = wanted.optics.as_accurate_as(&other.optics);
+            let surface = other.surface.clone().unwrap_or_else(|| wanted.surface.clone());
+            self.request_preparation(Role::Other, &ViewSettings { optics, surface, ..wanted.clone() });
         }
         let ready = self.is_own_ready();
         if ready && !self.model.pacing.moving {
-            self.request_as_seen(&own);
+            self.request_as_seen(&wanted);
         }
         // For a colour table no lighter spectra exist; moving pictures reduce their resolution instead.
-        if self.model.pacing.quality.is_slow() && ready && own.optics.settled().method == Method::Spectral {
-            let optics = compare::coarse(&own.optics);
-            self.request_preparation(Role::Coarse, &ViewSettings { optics, ..own.clone() });
+        if self.model.pacing.quality.is_slow() && ready && wanted.optics.settled().method == Method::Spectral
+        {
+            let optics = compare::coarse(&wanted.optics);
+            self.request_preparation(Role::Coarse, &ViewSettings { optics, ..wanted.clone() });
             // The wavelengths of a finite grating are those of its orders: none can be omitted.
-            let is_grating = own.optics.coherence.sigma().is_none();
-            if !is_grating && compare::looser_colours(&own.optics).is_some() {
-                self.request_preparation(Role::FewerWavelengths, &own);
+            let is_grating = wanted.optics.coherence.sigma().is_none();
+            if !is_grating && compare::looser_colours(&wanted.optics).is_some() {
+                self.request_preparation(Role::FewerWavelengths, &wanted);
             }
         }
     }
@@ -49,7 +50,8 @@ impl ViewerWindow {
     /// Returns true if the user's last settings are ready to be drawn.
     fn is_own_ready(&self) -> bool {
         let requested = self.requested.preparations[Role::Own as usize].as_ref();
-        self.model.sources.own.as_ref().map(|own| own.number) == requested.map(|request| request.number)
+        self.model.sources.full.as_ref().map(|wanted| wanted.number)
+            == requested.map(|request| request.number)
     }
 
     /// Returns true if the main picture is drawn from the source for the present view.
@@ -60,42 +62,42 @@ impl ViewerWindow {
         !of_mean || is_requested && self.requested.preparations[Role::AsSeen as usize].is_none()
     }
 
-    /// Requests the source of `own` for the present view if camera or lights have moved since the last request: a close
+    /// Requests the source of `wanted` for the present view if camera or lights have moved since the last request: a close
     /// view needs a finer source.
-    fn request_as_seen(&mut self, own: &ViewSettings) {
+    fn request_as_seen(&mut self, wanted: &ViewSettings) {
         let seen = Seen { view: self.view(), size: self.model.size };
-        if own.optics.settled().windows != Windows::All || self.requested.seen.as_ref() == Some(&seen) {
+        if wanted.optics.settled().windows != Windows::All || self.requested.seen.as_ref() == Some(&seen) {
             return;
         }
-        self.request_for_views(own, vec![seen.view]);
+        self.request_for_views(wanted, vec![seen.view]);
     }
 
-    /// Requests a source of `own` that is fine enough for `views`.
-    pub(super) fn request_for_views(&mut self, own: &ViewSettings, views: Vec<View>) {
-        let Some(ready) = self.model.sources.own.clone() else { return };
-        let Some(picture) = self.requested_picture(&own.lights) else { return };
+    /// Requests a source of `wanted` that is fine enough for `views`.
+    pub(super) fn request_for_views(&mut self, wanted: &ViewSettings, views: Vec<View>) {
+        let Some(ready) = self.model.sources.full.clone() else { return };
+        let Some(picture) = self.requested_picture(&wanted.lights) else { return };
         self.requested.seen = Some(Seen { view: self.view(), size: self.model.size });
         self.requested.number += 1;
         let (role, number) = (Role::AsSeen, self.requested.number);
-        let settings = own.clone();
+        let settings = wanted.clone();
         self.requested.preparations[role as usize] = Some(PreparationRequest { number, settings });
         self.threads.worker.request(Request {
             role,
             number,
-            surface: own.surface.clone(),
+            surface: wanted.surface.clone(),
             settings: SourceSettings::new(ready.optics().clone()),
             picture: Some(RequestedPicture { views, ..picture }),
         });
     }
 
-    /// Requests the first colours of `own`, unless they are requested already.
-    fn request_preview(&mut self, own: &ViewSettings) {
-        if self.is_requested(Role::Own, own) {
+    /// Requests the first colours of `wanted`, unless they are requested already.
+    fn request_preview(&mut self, wanted: &ViewSettings) {
+        if self.is_requested(Role::Own, wanted) {
             return;
         }
         self.requested.preparations[Role::Preview as usize] = None;
-        if let Some(optics) = compare::preview(&own.optics) {
-            self.request_preparation(Role::Preview, &ViewSettings { optics, ..own.clone() });
+        if let Some(optics) = compare::preview(&wanted.optics) {
+            self.request_preparation(Role::Preview, &ViewSettings { optics, ..wanted.clone() });
         }
     }
 
@@ -167,13 +169,13 @@ impl ViewerWindow {
     /// Returns the request for the present frame at full quality; `None` before anything is ready to be drawn.
     pub(super) fn whole_frame(&self) -> Option<FrameRequest> {
         let model = &self.model;
-        let (own, stage) = model.sources.shown().filter(|_| !model.size.contains(&0))?;
+        let (wanted, stage) = model.sources.shown().filter(|_| !model.size.contains(&0))?;
         let is_own = stage == Stage::Own;
         let (shown, scene) = (model.shown(), &model.loaded.scene);
         let view = self.view();
         Some(FrameRequest {
             loaded: model.loaded.clone(),
-            own: own.clone(),
+            full: wanted.clone(),
             other: model.comparison.prepared.clone().filter(|_| is_own),
             lighter: None,
             quality: Quality::WHOLE,
@@ -216,9 +218,9 @@ impl ViewerWindow {
             self.requested.pixel = None;
             return;
         }
-        let is_whole = |own: &FrameRequest| {
+        let is_whole = |wanted: &FrameRequest| {
             let frame = model.frame.as_ref();
-            frame.is_some_and(|f| f.quality == Quality::WHOLE && f.number == own.own.number)
+            frame.is_some_and(|f| f.quality == Quality::WHOLE && f.number == wanted.full.number)
         };
         let at =
             model.inspector.at.filter(|_| !model.pacing.moving && self.requested.pixel != model.inspector.at);
