@@ -92,7 +92,8 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         let (mut counts, mut greens) = ([0; 3], [[0.0; 2]; 3]);
         for (number, object) in all.iter().enumerate() {
             let mut alone = Renderer::new(device, &[*object], SIZE, RendererSettings::default()).unwrap();
-            alone.draw_sample(&view, &sample, shown).unwrap();
+            let its_view = View { base_colors: vec![view.base_color(number)], ..view.clone() };
+            alone.draw_sample(&its_view, &sample, shown).unwrap();
             let alone = alone.read_back().unwrap();
             for pixel in 0..together.radiance.len() {
                 if seen.view[pixel][3] != 0.0 && seen.object(pixel) == number {
