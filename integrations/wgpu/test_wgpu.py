@@ -25,8 +25,8 @@ class Function(unittest.TestCase):
         cls.addClassCleanup(held.cleanup)
         cls.folder = Path(held.name)
         for words in [
-            ["surface", "synth", "bumps", "--patch", "2um", "-o", "small.npy"],
-            ["export", "small.npy", "-o", "material", "--coherence", "gaussian:8um", "--footprint", "0.05", "--tolerance", "5e-2"],
+            ["surface", "synth", "bumps", "--patch", "2um", "-o", "small.gsf"],
+            ["export", "small.gsf", "-o", "material", "--coherence", "gaussian:8um", "--footprint", "0.05", "--tolerance", "5e-2"],
         ]:
             made = run(DIFFRACT, *words, folder=cls.folder)
             assert made.returncode == 0, made.stderr
