@@ -146,8 +146,8 @@ mod tests {
             assert_eq!(hand, if vertex.tangent[3] > 0.0 { 1.0 } else { 0.0 });
         }
         eprintln!("{off:?}, {} bytes for {} triangles", page.bytes.len(), page.triangles);
-        // 2.6e-5 is half a step along each axis; an octahedron's face is wider than the sphere by up to 1.7.
-        assert!(off[0] < 2.7e-5 && off[1] < 5e-5 && off[2] < 5e-5, "{off:?}");
+        // Half a step along each axis is 2.6e-5. A step on the octahedron is up to 3 steps on the sphere: 6.5e-5.
+        assert!(off[0] < 2.7e-5 && off[1] < 6.6e-5 && off[2] < 6.6e-5, "{off:?}");
         let mut last = 0i64;
         let (mut number, mut shift, mut found) = (0u64, 0, Vec::new());
         for byte in indices {
