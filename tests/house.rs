@@ -36,8 +36,8 @@ const FLOORS: [(&str, &[&str]); 27] = [
     (
         "export",
         &[
-            "budget", "table", "brdf", "spectra", "filter", "cache", "optics", "surface", "error", "input",
-            "memory", "output", "random",
+            "budget", "table", "brdf", "spectra", "scene", "filter", "cache", "optics", "surface", "error",
+            "input", "memory", "output", "random",
         ],
     ),
     (

@@ -26,7 +26,7 @@ function ktx2(bytes) {
 // ------------------------------------------------------------------------------------------------ device
 
 const surface = document.createElement("canvas");
-const gl = surface.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: true });
+const gl = surface.getContext("webgl2", { antialias: Boolean(about.mesh), alpha: true, premultipliedAlpha: true });
 const uniforms = {};
 
 function compiled(kind, source) {
@@ -41,8 +41,7 @@ function compiled(kind, source) {
 
 function makeProgram() {
   const program = gl.createProgram();
-  const triangle = "#version 300 es\nvoid main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }";
-  gl.attachShader(program, compiled(gl.VERTEX_SHADER, triangle));
+  gl.attachShader(program, compiled(gl.VERTEX_SHADER, text("vertex")));
   gl.attachShader(program, compiled(gl.FRAGMENT_SHADER, text("material") + text("colour") + text("scene")));
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
@@ -93,43 +92,123 @@ function bindFunctions() {
   bindNumbers(1, "diffract_functions", width, height, new Float32Array(buffer, levels[0].at, levels[0].length / 4));
 }
 
-// Draws into floats and returns them, or nothing where the browser cannot.
-function floats(width, height) {
+// Indices are stored as differences from the one before: 0, -1, 1, -2, 2 ... as 0, 1, 2, 3, 4 ..., seven bits a byte from the lowest on.
+function indicesOf(bytes, count) {
+  const indices = new Uint32Array(count);
+  for (let i = 0, at = 0, last = 0; i < count; i++) {
+    let number = 0, shift = 0;
+    do {
+      number |= (bytes[at] & 127) << shift;
+      shift += 7;
+    } while (bytes[at++] > 127);
+    last += (number >>> 1) ^ -(number & 1);
+    indices[i] = last;
+  }
+  return indices;
+}
+
+function bindMesh() {
+  gl.uniform1i(uniforms.shadow, 4);
+  if (!about.mesh) return;
+  const VERTEX = 16, SIDE = 2048;
+  const bytes = bytesOf("triangles"), [vertices, triangles] = about.mesh;
+  gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+  gl.bufferData(gl.ARRAY_BUFFER, bytes.subarray(0, VERTEX * vertices), gl.STATIC_DRAW);
+  gl.vertexAttribPointer(0, 4, gl.UNSIGNED_SHORT, true, VERTEX, 0);
+  gl.vertexAttribPointer(1, 4, gl.SHORT, true, VERTEX, 8);
+  gl.enableVertexAttribArray(0);
+  gl.enableVertexAttribArray(1);
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indicesOf(bytes.subarray(VERTEX * vertices), 3 * triangles), gl.STATIC_DRAW);
+  depthFromLight = { side: SIDE, texture: gl.createTexture(), frame: gl.createFramebuffer() };
+  gl.activeTexture(gl.TEXTURE4);
+  gl.bindTexture(gl.TEXTURE_2D, depthFromLight.texture);
+  parameters(gl.TEXTURE_2D, [gl.LINEAR, gl.LINEAR]);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
+  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.DEPTH_COMPONENT24, SIDE, SIDE);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, depthFromLight.frame);
+  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, depthFromLight.texture, 0);
+  gl.drawBuffers([gl.NONE]);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+}
+
+function drawTriangles(view) {
+  gl.uniform1i(uniforms.view, view);
+  gl.enable(gl.DEPTH_TEST);
+  gl.drawElements(gl.TRIANGLES, 3 * about.mesh[1], gl.UNSIGNED_INT, 0);
+  gl.disable(gl.DEPTH_TEST);
+}
+
+function drawShadow() {
+  const { side, texture, frame } = depthFromLight;
+  gl.activeTexture(gl.TEXTURE4);
+  gl.bindTexture(gl.TEXTURE_2D, null);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+  gl.viewport(0, 0, side, side);
+  gl.clear(gl.DEPTH_BUFFER_BIT);
+  drawTriangles(SHADOW);
+  gl.bindTexture(gl.TEXTURE_2D, texture);
+}
+
+// Draws a view, whose uniforms are set, into `target`.
+function drawInto(target, view, width, height) {
+  const solid = view === SHAPE && state.shape === MESH;
+  if (solid) drawShadow();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+  gl.viewport(0, 0, width, height);
+  gl.clearColor(0, 0, 0, 0);
+  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  gl.uniform1i(uniforms.view, solid ? BACKDROP : view);
+  gl.drawArrays(gl.TRIANGLES, 0, 3);
+  if (solid) drawTriangles(SHAPE);
+}
+
+// Draws a view into floats and returns them, or nothing where the browser cannot.
+function floats(view, width, height) {
   if (!gl.getExtension("EXT_color_buffer_float")) return undefined;
-  const target = gl.createTexture(), frame = gl.createFramebuffer();
+  const target = gl.createTexture(), depth = gl.createRenderbuffer(), frame = gl.createFramebuffer();
   gl.activeTexture(gl.TEXTURE3);
   gl.bindTexture(gl.TEXTURE_2D, target);
   gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, width, height);
   gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
   gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
+  gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+  gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+  gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
   let numbers;
   if (gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE) {
-    gl.viewport(0, 0, width, height);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    drawInto(frame, view, width, height);
     numbers = new Float32Array(4 * width * height);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, numbers);
   }
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.deleteFramebuffer(frame);
   gl.deleteTexture(target);
+  gl.deleteRenderbuffer(depth);
   return numbers;
 }
 
 // ------------------------------------------------------------------------------------------------ state
 
-const SPHERE = 0, DISC = 1, PLATE = 2;
-const SHAPE = 0, HEMISPHERE = 1, LIST = 2;
+const SPHERE = 0, DISC = 1, PLATE = 2, MESH = 3;
+const SHAPE = 0, HEMISPHERE = 1, LIST = 2, SHADOW = 3, BACKDROP = 4;
 const FOCAL = 3.2;
-const initial = () => ({ shape: about.shape ?? SPHERE, yaw: -0.42, pitch: 0.36, distance: 1, light: [0.28, 0.42] });
+const initial = () => ({
+  ...(about.mesh ? { shape: MESH, pitch: 0.6, distance: 0.85 } : { shape: SPHERE, pitch: 0.36, distance: 1 }),
+  yaw: -0.42,
+  light: [0.28, 0.42],
+  shadows: true,
+});
 let state = initial();
 let automatic = [0, 0]; // exposures of the shape and of the hemisphere [stops]
 let scale = 1;          // of the picture while something moves
 let sweeping = false;
+let depthFromLight;     // texture of the shadows
 
 // From an address such as page.html#plate,yaw=0.2,pitch=0.1,x=0.3,y=0.4
 for (const part of decodeURIComponent(location.hash.slice(1)).split(",")) {
   const [name, value] = part.split("=");
-  const shapes = ["sphere", "disc", "plate"];
+  const shapes = ["sphere", "disc", "plate", ...(about.mesh ? ["mesh"] : [])];
   if (shapes.includes(name)) state.shape = shapes.indexOf(name);
   else if (["yaw", "pitch", "distance"].includes(name) && isFinite(value)) state[name] = Number(value);
   else if (["x", "y"].includes(name) && isFinite(value)) state.light[name === "y" ? 1 : 0] = Number(value);
@@ -138,9 +217,9 @@ for (const part of decodeURIComponent(location.hash.slice(1)).split(",")) {
 const clamp = (x, low, high) => Math.min(Math.max(x, low), high);
 
 function keepInRange() {
-  const most = state.shape === SPHERE ? 1.5 : 1.25;
+  const round = state.shape === SPHERE || state.shape === MESH, most = round ? 1.5 : 1.25;
   state.pitch = clamp(state.pitch, -most, most);
-  if (state.shape !== SPHERE) state.yaw = clamp(state.yaw, -most, most);
+  if (!round) state.yaw = clamp(state.yaw, -most, most);
   state.distance = clamp(state.distance, 0.32, 2);
   const size = Math.hypot(...state.light);
   if (size > 0.995) state.light = state.light.map((x) => x * 0.995 / size);
@@ -148,12 +227,13 @@ function keepInRange() {
 
 const toLight = () => [...state.light, Math.sqrt(1 - state.light[0] ** 2 - state.light[1] ** 2)];
 
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
 function axes() {
   const { yaw, pitch } = state;
   const back = [Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), Math.cos(yaw) * Math.cos(pitch)];
   const right = [Math.cos(yaw), 0, -Math.sin(yaw)];
-  const up = [back[1] * right[2] - back[2] * right[1], back[2] * right[0] - back[0] * right[2], back[0] * right[1] - back[1] * right[0]];
-  return { right, up, back };
+  return { right, up: cross(back, right), back };
 }
 
 const setting = (id) => Number(element(id).value);
@@ -169,13 +249,16 @@ function linear(color) {
 function setUniforms(view, width, height) {
   const { right, up, back } = axes();
   const styles = getComputedStyle(document.documentElement);
-  gl.uniform1i(uniforms.view, view);
   gl.uniform1i(uniforms.shape, state.shape);
   gl.uniform2f(uniforms.size, width, height);
   gl.uniformMatrix3fv(uniforms.camera, false, [...right, ...up, ...back]);
   gl.uniform1f(uniforms.eye_distance, 4.75 * state.distance);
   gl.uniform1f(uniforms.focal, FOCAL);
-  gl.uniform3fv(uniforms.to_light, toLight());
+  const toward = toLight(), aside = Math.hypot(toward[0], toward[2]);
+  const across = [toward[2] / aside, 0, -toward[0] / aside];
+  gl.uniform3fv(uniforms.to_light, toward);
+  gl.uniformMatrix3fv(uniforms.light_axes, false, [...across, ...cross(toward, across), ...toward]);
+  gl.uniform1i(uniforms.shadows, state.shadows);
   gl.uniform1f(uniforms.light_spread, (spread() * Math.PI / 180) ** 2);
   gl.uniform1f(uniforms.pigment, view === SHAPE ? setting("pigment") : 0);
   gl.uniform3fv(uniforms.upper, linear(styles.getPropertyValue("--stage-1")));
@@ -188,7 +271,7 @@ function suitedExposure(view) {
   const side = 96, share = 0.985, white = 1.3;
   setUniforms(view, side, side);
   gl.uniform1i(uniforms.as_radiance, 1);
-  const numbers = floats(side, side);
+  const numbers = floats(view, side, side);
   if (!numbers) return 0;
   const bright = [];
   for (let i = 0; i < numbers.length; i += 4) {
@@ -210,10 +293,7 @@ function paint(canvas, view, factor) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
   setUniforms(view, width, height);
   gl.uniform1f(uniforms.exposure, 2 ** (automatic[view] + setting("exposure")));
-  gl.viewport(0, 0, width, height);
-  gl.clearColor(0, 0, 0, 0);
-  gl.clear(gl.COLOR_BUFFER_BIT);
-  gl.drawArrays(gl.TRIANGLES, 0, 3);
+  drawInto(null, view, width, height);
   const to = canvas.getContext("2d");
   to.clearRect(0, 0, width, height);
   to.drawImage(surface, 0, 0);
@@ -458,7 +538,7 @@ function deviation() {
   }
   bindNumbers(2, "list", count, 3, list);
   setUniforms(LIST, count, 1);
-  const found = floats(count, 1);
+  const found = floats(LIST, count, 1);
   if (!found) return undefined;
   let off = 0, all = 0;
   for (let i = 0; i < count; i++) {
@@ -485,7 +565,7 @@ function radiance(width, height) {
   setUniforms(SHAPE, width, height);
   gl.uniform1f(uniforms.light_spread, 0);
   gl.uniform1i(uniforms.as_radiance, 1);
-  return floats(width, height);
+  return floats(SHAPE, width, height);
 }
 
 function begin() {
@@ -494,6 +574,8 @@ function begin() {
   makeProgram();
   bindTable();
   bindFunctions();
+  bindMesh();
+  element("meshes").hidden = !about.mesh;
   check();
   expose();
   watchShape();

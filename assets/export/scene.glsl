@@ -1,8 +1,8 @@
 // Pictures of the page: a shape under one light, the hemisphere of viewers, or the colours of listed directions. The page puts material.es.glsl and
-// color.glsl before it.
+// color.glsl before it, and mesh.glsl and main.glsl behind it.
 
-const int SHAPE_SPHERE = 0, SHAPE_DISC = 1, SHAPE_PLATE = 2;
-const int VIEW_SHAPE = 0, VIEW_HEMISPHERE = 1, VIEW_LIST = 2;
+const int SHAPE_SPHERE = 0, SHAPE_DISC = 1, SHAPE_PLATE = 2, SHAPE_MESH = 3;
+const int VIEW_SHAPE = 0, VIEW_HEMISPHERE = 1, VIEW_LIST = 2, VIEW_SHADOW = 3, VIEW_BACKDROP = 4;
 
 uniform int view;
 uniform int shape;
@@ -79,6 +79,7 @@ struct Question {
     vec2 dy;
     float cover; // part of the pixel that the shape covers
     float lit;   // part of the light above the horizon
+    float clear; // part of the light that nothing shadows
 };
 
 // The footprint to whose covariance that of the light is added, whose directions vary by `light_spread` across it.
@@ -111,6 +112,7 @@ Question on_shape(vec2 pixel) {
     float sink = FILTER * length(vec2(dot(to_light, right.frame[2]) - q.light.z, dot(to_light, above.frame[2]) - q.light.z));
     q.lit = clamp(q.light.z / (2.0 * sqrt(light_spread + sink * sink)), 0.0, 1.0);
     q.cover = clamp(0.5 - here.outside / max(change, 1e-6), 0.0, 1.0);
+    q.clear = 1.0;
     widen(q);
     return q;
 }
@@ -126,6 +128,7 @@ Question on_hemisphere(vec2 pixel) {
     q.dy = vec2(0.0, FILTER * step);
     q.cover = clamp((1.0 - sqrt(r2)) / step + 0.5, 0.0, 1.0);
     q.lit = 1.0;
+    q.clear = 1.0;
     widen(q);
     return q;
 }
@@ -139,41 +142,6 @@ Question listed(int column) {
     q.dy = footprint.zw;
     q.cover = 1.0;
     q.lit = 1.0;
+    q.clear = 1.0;
     return q;
-}
-
-void main() {
-    Question q;
-    if (view == VIEW_LIST) {
-        q = listed(int(gl_FragCoord.x));
-    } else if (view == VIEW_HEMISPHERE) {
-        q = on_hemisphere(gl_FragCoord.xy);
-    } else {
-        q = on_shape(gl_FragCoord.xy);
-    }
-    vec3 radiance = vec3(0.0);
-    if (q.cover > 0.0) {
-        radiance = diffract_rgb(q.light, q.viewer, mat3(1.0), q.dx, q.dy);
-    }
-    if (view == VIEW_LIST) {
-        color = vec4(radiance, 1.0);
-        return;
-    }
-    // The light's irradiance is pi, so that a white matt surface that faces it has radiance 1.
-    const float IRRADIANCE = 3.14159265;
-    const float AMBIENT = 0.12;
-    radiance *= IRRADIANCE * q.lit;
-    if (as_radiance) {
-        color = vec4(radiance, q.cover);
-        return;
-    }
-    float matt = pigment * (max(q.light.z, 0.0) + AMBIENT * (0.4 + 0.6 * max(q.viewer.z, 0.0)));
-    vec3 shown = neutral(radiance * exposure + matt);
-    if (view == VIEW_HEMISPHERE) {
-        color = vec4(srgb_codes(shown) * q.cover, q.cover);
-        return;
-    }
-    vec2 at = (2.0 * gl_FragCoord.xy - size) / size;
-    vec3 background = mix(upper, lower, clamp(0.5 * dot(at - vec2(0.0, 0.25), at - vec2(0.0, 0.25)), 0.0, 1.0));
-    color = vec4(srgb_codes(mix(background, shown, q.cover)), 1.0);
 }

@@ -8,6 +8,7 @@ use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
 use super::{captions, prepare, write};
 use crate::error::{Error, Remedy, Result};
 use crate::export::page::MOST_PAGE_TEXELS;
+use crate::export::page_mesh::PageMesh;
 use crate::export::{
     ExportReader, ExportSettings, ExportedMaterial, LARGEST_FOOTPRINT, MaterialDescription, PortErrors,
     check_target, write as write_export,
@@ -18,7 +19,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::settings::{Method, Optics};
 use crate::units;
 use clap::Args;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Range of footprints.
@@ -35,6 +36,7 @@ a CSV file with the columns r, g and b, a row for each row of conformance.csv.
 Examples:
   diffract export elaphe -o skin --footprint 0.02 --tolerance 2e-2
   diffract export elaphe --html elaphe.html            a page for any browser, which loads nothing
+  diffract export elaphe --html snake.html --mesh snake
   diffract export blaze -o blaze --coherence gaussian:16um --material aluminium
   diffract export --check skin --answers mine.csv"
 )]
@@ -47,6 +49,10 @@ pub struct Arguments {
     /// Page that shows the material in a browser with WebGL 2: one file of at most 10 MB, which loads nothing. It holds at most 6.7 MB of texels
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
+    /// Mesh that the page shows beside its sphere, disc and plate: snake, cd, a mesh (.obj), or a scene file (.toml) whose first object it is. It
+    /// takes at most 5 of the 6.7 MB: about 300000 triangles
+    #[arg(long, value_name = "SCENE", requires = "html")]
+    mesh: Option<OsString>,
     /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table
     #[arg(long, value_name = "SIGMA", value_parser = footprint, allow_hyphen_values = true, default_value = "0.02")]
     footprint: f64,
@@ -76,16 +82,18 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(folder) = &arguments.check {
         return check(folder, arguments.answers.as_deref());
     }
-    Files::new()
+    let files = Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
-        .writes(&arguments.html)
-        .check()?;
+        .reads(&arguments.mesh)
+        .writes(&arguments.html);
+    files.check()?;
     if let Some(folder) = &arguments.output {
         check_target(folder)?;
     }
-    let most_bytes = most_texels(arguments)?;
+    let mesh = arguments.mesh.as_deref().map(|name| page_mesh(name, &files)).transpose()?;
+    let most_bytes = most_texels(arguments, mesh.as_ref().map_or(0, |mesh| mesh.bytes.len()))?;
     if arguments.optics.method.is_some_and(|method| method != Method::Table) {
         return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
     }
@@ -110,22 +118,35 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         } else {
             name.to_string_lossy().to_uppercase()
         };
-        let subject = PageSubject { source: &source, field: &field, optics: &optics, illuminant };
+        let subject =
+            PageSubject { source: &source, field: &field, optics: &optics, illuminant, mesh: mesh.as_ref() };
         page::write(path, &subject, &material, &description)?;
     }
     write::stdout(&summary(&description))
 }
 
-/// Returns the most bytes of texels: the user's, or those that a page holds.
-fn most_texels(arguments: &Arguments) -> Result<Option<u64>> {
+/// Opens the first object of the scene or mesh called `name`, and checks that none of its files is one of those that are written.
+fn page_mesh(name: &OsStr, files: &Files) -> Result<PageMesh> {
+    let scene = prepare::scene(name)?;
+    files.clone().reads(&scene.files).check()?;
+    let object = scene.main_object();
+    PageMesh::new(&object.mesh, &object.grooves).map_err(|e| e.at(name.display()))
+}
+
+/// Returns the most bytes of texels: the user's, or those that a page holds beside a mesh of `mesh` bytes.
+fn most_texels(arguments: &Arguments, mesh: usize) -> Result<Option<u64>> {
     if arguments.html.is_none() {
         return Ok(arguments.budget);
     }
-    let budget = arguments.budget.unwrap_or(MOST_PAGE_TEXELS);
-    if budget > MOST_PAGE_TEXELS {
+    let most = MOST_PAGE_TEXELS - mesh as u64;
+    let budget = arguments.budget.unwrap_or(most);
+    if budget > most {
+        let beside = if mesh > 0 { " beside this mesh" } else { "" };
+        // Rounded down.
+        let most = (most / 100_000) as f64 / 10.0;
         return Err(Error::usage(
-            "a page of 10 MB holds no more than 6.7 MB of texels",
-            "use --budget 6.7MB or less, or export a folder without --html",
+            format!("a page of 10 MB holds no more than {most:.1} MB of texels{beside}"),
+            format!("use --budget {most:.1}MB or less, or export a folder without --html"),
         ));
     }
     Ok(Some(budget))

@@ -17,6 +17,7 @@ mod folder;
 pub mod ktx2;
 pub mod openexr;
 pub mod page;
+pub mod page_mesh;
 pub mod shader;
 pub mod translation;
 

@@ -1,7 +1,8 @@
 //! A page that shows an exported material in any browser with WebGL 2. It holds everything that it shows and loads nothing.
 //!
-//! Its parts are in `assets/export`: the document, its style, its script and the shader that calls the exported function.
+//! Its parts are in `assets/export`: the document, its style, its script and the shaders that call the exported function.
 
+use super::page_mesh::PageMesh;
 use super::shader::{self, ShaderLanguage};
 use super::{Conformance, ExportedMaterial, ktx2};
 use crate::error::{Error, Result};
@@ -11,13 +12,16 @@ use serde::Serialize;
 
 /// Most bytes of a page: what mail servers pass on.
 pub const MOST_PAGE_BYTES: usize = 10_000_000;
-/// Most bytes of texels for which the page is within [`MOST_PAGE_BYTES`]: base64 has four characters for three bytes, and the rest takes up to 1 MB.
+/// Most bytes of texels and mesh for which the page is within [`MOST_PAGE_BYTES`]: base64 has four characters for three bytes, and the rest takes up to 1 MB.
 pub const MOST_PAGE_TEXELS: u64 = 6_700_000;
 
 const DOCUMENT: &str = include_str!("../../assets/export/page.html");
 const STYLE: &str = include_str!("../../assets/export/page.css");
 const SCRIPT: &str = include_str!("../../assets/export/page.js");
+const VERTEX: &str = include_str!("../../assets/export/vertex.glsl");
 const SCENE: &str = include_str!("../../assets/export/scene.glsl");
+const MESH: &str = include_str!("../../assets/export/mesh.glsl");
+const MAIN: &str = include_str!("../../assets/export/main.glsl");
 /// Source of the display of colours. The function that it includes is not used.
 const DISPLAY: &str = include_str!("../../shaders/color.glsl");
 
@@ -46,6 +50,8 @@ pub struct PageWords {
     pub bar: PageBar,
     /// Number of directions that the page checks itself by.
     pub directions: usize,
+    /// Number of vertices and of triangles of the mesh, if there is one.
+    pub mesh: Option<[usize; 2]>,
 }
 
 /// Scale bar.
@@ -57,11 +63,16 @@ pub struct PageBar {
     pub share: f64,
 }
 
-/// Returns the page of `material`. `relief` is a picture of the heights, a PNG in base64.
+/// Returns the page of `material`, which shows it on `mesh`, too, if there is one. `relief` is a picture of the heights, a PNG in base64.
 ///
 /// # Errors
 /// More bytes than [`MOST_PAGE_BYTES`].
-pub fn write(material: &ExportedMaterial, words: &PageWords, relief: &str) -> Result<String> {
+pub fn write(
+    material: &ExportedMaterial,
+    words: &PageWords,
+    relief: &str,
+    mesh: Option<&PageMesh>,
+) -> Result<String> {
     let header = &material.table.header;
     // Inside of a script element, a tag would end it.
     let about = serde_json::to_string(words).unwrap_or_default().replace('<', "\\u003c");
@@ -81,9 +92,13 @@ pub fn write(material: &ExportedMaterial, words: &PageWords, relief: &str) -> Re
             ("texels", &BASE64_STANDARD.encode(ktx2::write(&material.table))),
             ("functions", &BASE64_STANDARD.encode(ktx2::write_functions(header))),
             ("directions", &BASE64_STANDARD.encode(directions(&material.conformance))),
+            ("mesh", &mesh.map_or_else(String::new, |mesh| BASE64_STANDARD.encode(&mesh.bytes))),
+            ("vertex", VERTEX),
             ("material", &shader::write(header, ShaderLanguage::GlslEs)),
             ("color", &display),
             ("scene", SCENE),
+            ("mesh shader", MESH),
+            ("main", MAIN),
             ("script", SCRIPT),
         ],
     );
@@ -140,6 +155,7 @@ mod tests {
             heights: [String::new(), String::new()],
             bar: PageBar { text: "1 µm".to_owned(), share: 0.1 },
             directions: 1000,
+            mesh: None,
         }
     }
 
@@ -147,7 +163,7 @@ mod tests {
     fn a_page_has_all_its_parts_and_names_cannot_become_parts_of_it() {
         let (conformance, table) = small_table();
         let material = ExportedMaterial { table, conformance };
-        let page = write(&material, &words(), "PNG").unwrap();
+        let page = write(&material, &words(), "PNG", None).unwrap();
         assert!(page.contains("<h1 id=\"name\">a &lt;b&gt; &amp; {{texels}}</h1>"));
         assert_eq!(page.matches("</script>").count(), page.matches("<script").count());
         assert!(page.contains("\\u003c/script>\\u003cb>") && !page.contains("<b>"));
@@ -165,7 +181,7 @@ mod tests {
         let (conformance, table) = small_table();
         let material = ExportedMaterial { table, conformance };
         let relief = "A".repeat(MOST_PAGE_BYTES);
-        let e = write(&material, &words(), &relief).unwrap_err().to_string();
+        let e = write(&material, &words(), &relief, None).unwrap_err().to_string();
         assert!(e.contains("fewer bytes"), "{e}");
     }
 }

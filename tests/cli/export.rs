@@ -115,13 +115,18 @@ fn the_port_to_python_gives_the_colours_of_the_table() {
 
 /// Writes the page of [`EXPORT`] for footprints from `footprint` on into the sandbox and returns it.
 fn page(sandbox: &Sandbox, footprint: &str) -> String {
+    page_with(sandbox, footprint, &[])
+}
+
+/// The same with further words on the command line.
+pub fn page_with(sandbox: &Sandbox, footprint: &str, more: &[&str]) -> String {
     let arguments = EXPORT.map(|word| match word {
         "-o" => "--html",
         "material" => "page.html",
         "0.05" => footprint,
         word => word,
     });
-    sandbox.run(arguments).done();
+    sandbox.run2(&arguments, more).done();
     String::from_utf8(sandbox.read("page.html")).unwrap()
 }
 
@@ -177,7 +182,7 @@ pub fn chromium(sandbox: &Sandbox) -> Command {
 }
 
 /// Opens a page in Chromium. Returns the document after its scripts ran, and the log.
-fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
+pub fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
     let run = chromium(sandbox)
         .args(["--timeout=60000", "--virtual-time-budget=10000", "--dump-dom"])
         .arg(format!("file://{}", sandbox.path(name).display()))
@@ -188,7 +193,7 @@ fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
 }
 
 /// Returns the value that a page wrote into its document under `name`.
-fn noted<'a>(document: &'a str, name: &str) -> Option<&'a str> {
+pub fn noted<'a>(document: &'a str, name: &str) -> Option<&'a str> {
     Some(document.split_once(&format!("data-{name}=\""))?.1.split_once('"')?.0)
 }
 

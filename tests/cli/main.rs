@@ -5,11 +5,13 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 
 mod brdf;
+mod browser;
 mod cache;
 mod devices;
 mod display;
 mod eval;
 mod export;
+mod export_page;
 mod export_wgsl;
 mod faults;
 mod hostile_files;

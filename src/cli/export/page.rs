@@ -4,6 +4,7 @@ use crate::cli::captions;
 use crate::cli::surface::{describe, plot};
 use crate::error::Result;
 use crate::export::page::{self, PageBar, PageWords};
+use crate::export::page_mesh::PageMesh;
 use crate::export::{ExportedMaterial, MaterialDescription};
 use crate::figure::{Axis, ColorMap, ColorScale, Raster};
 use crate::optics::validity::{LightColour, ScalarTheory};
@@ -35,6 +36,8 @@ pub struct PageSubject<'a> {
     pub optics: &'a Optics,
     /// Words for the illuminant.
     pub illuminant: String,
+    /// Mesh that shows it beside the page's own shapes.
+    pub mesh: Option<&'a PageMesh>,
 }
 
 /// Writes the page of `material`, which `description` describes, to `path`.
@@ -49,13 +52,14 @@ pub fn write(
     let words = words(subject, description, range)?;
     let scale = ColorScale { axis: Axis::linear("", range[0], range[1]), map: ColorMap::Viridis };
     let relief = Raster::values(grid.size[0], &grid.values, scale);
-    let text = page::write(material, &words, &relief.png()?).map_err(|e| e.at(path.display()))?;
+    let text =
+        page::write(material, &words, &relief.png()?, subject.mesh).map_err(|e| e.at(path.display()))?;
     write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, &e)))
 }
 
 /// Returns all texts of the page, where the colours of the heights have this `range` \[nm\].
 fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f64; 2]) -> Result<PageWords> {
-    let PageSubject { source, field, optics, illuminant } = subject;
+    let PageSubject { source, field, optics, illuminant, mesh } = subject;
     let statistics = Statistics::of(field)?;
     let theory =
         ScalarTheory::of_field(field, &optics.reflectance, LightColour::Spectrum(&optics.illuminant))?;
@@ -66,6 +70,7 @@ fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f
     };
     let fact = |name: &str, value: String| (name.to_owned(), value);
     let name = Path::new(&source.name).file_name().unwrap_or(&source.name).to_string_lossy().into_owned();
+    let drawn_on = mesh.map(|mesh| fact("mesh", format!("{} triangles", mesh.triangles)));
     let [width, height] = field.patch_size();
     let bar = plot::scale_bar(width);
     Ok(PageWords {
@@ -82,7 +87,7 @@ fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f
             fact("Light", format!("{illuminant}, coherence {}", captions::coherence(&optics.coherence))),
             fact("Material", optics.reflectance.to_string()),
         ],
-        more: lines.iter().map(|(name, value)| fact(name, typeset(value))).collect(),
+        more: lines.iter().map(|(name, value)| fact(name, typeset(value))).chain(drawn_on).collect(),
         trust: trust(description),
         citations: CITATIONS.map(str::to_owned).to_vec(),
         command: format!("{} --html page.html", description.command),
@@ -93,6 +98,7 @@ fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f
         heights: range.map(|nm| format!("{nm:.0} nm")),
         bar: PageBar { text: format!("{bar} µm"), share: bar / width },
         directions: description.errors.directions,
+        mesh: mesh.map(|mesh| [mesh.vertices, mesh.triangles]),
         name,
     })
 }

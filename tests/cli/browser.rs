@@ -1,0 +1,134 @@
+//! A browser with a hand: Chromium, driven by messages of its DevTools protocol through a pipe.
+
+use crate::export::chromium;
+use crate::sandbox::{Sandbox, TIMEOUT};
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+
+/// Width and height of the screen of a small phone [CSS pixels].
+const PHONE: [u32; 2] = [375, 667];
+
+/// A tab of a browser on a phone.
+pub struct Browser {
+    process: Child,
+    to: ChildStdin,
+    from: Receiver<Value>,
+    session: Option<String>,
+    number: u64,
+    /// Messages on the console, warnings and exceptions.
+    pub console: Vec<Value>,
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+impl Browser {
+    /// Starts Chromium with an empty page, a small screen and a finger instead of a mouse.
+    pub fn on_a_phone(sandbox: &Sandbox) -> Self {
+        let chromium = chromium(sandbox);
+        let mut command = Command::new("sh");
+        // The browser listens to descriptor 3 and answers on 4. Messages end with a zero.
+        command.args(["-c", "exec \"$@\" 3<&0 4>&1 >/dev/null", "sh"]);
+        command.arg(chromium.get_program()).args(chromium.get_args()).args(["--remote-debugging-pipe"]);
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        let mut process = command.spawn().unwrap();
+        let (to, out) = (process.stdin.take().unwrap(), process.stdout.take().unwrap());
+        let (sender, from) = channel();
+        std::thread::spawn(move || {
+            for message in BufReader::new(out).split(0).map_while(Result::ok) {
+                let _ = sender.send(serde_json::from_slice(&message).unwrap());
+            }
+        });
+        let mut browser = Self { process, to, from, session: None, number: 0, console: Vec::new() };
+        let made = browser.call("Target.createTarget", json!({ "url": "about:blank" }));
+        let attached =
+            browser.call("Target.attachToTarget", json!({ "targetId": made["targetId"], "flatten": true }));
+        browser.session = Some(attached["sessionId"].as_str().unwrap().to_owned());
+        for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
+            browser.call(domain, json!({}));
+        }
+        let [width, height] = PHONE;
+        let screen = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": true });
+        browser.call("Emulation.setDeviceMetricsOverride", screen);
+        browser.call("Emulation.setTouchEmulationEnabled", json!({ "enabled": true, "maxTouchPoints": 2 }));
+        browser
+    }
+
+    /// Sends a command and returns its result.
+    pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.number += 1;
+        let mut message = json!({ "id": self.number, "method": method, "params": parameters });
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        let mut bytes = message.to_string().into_bytes();
+        bytes.push(0);
+        self.to.write_all(&bytes).unwrap();
+        loop {
+            let answer = self.from.recv_timeout(TIMEOUT).unwrap_or_else(|e| panic!("{method}: {e}"));
+            if answer["id"] == self.number {
+                assert!(answer.get("error").is_none(), "{method}: {answer}");
+                return answer["result"].clone();
+            }
+            let event = answer["method"].as_str().unwrap_or_default();
+            if ["Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded"].contains(&event) {
+                self.console.push(answer);
+            }
+        }
+    }
+
+    /// Opens a page of the sandbox and waits until it has drawn.
+    pub fn open(&mut self, sandbox: &Sandbox, name: &str) {
+        self.call("Page.navigate", json!({ "url": format!("file://{}", sandbox.path(name).display()) }));
+        while self.value("document.readyState === 'complete' && location.protocol === 'file:'") != true {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        self.value(
+            "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))",
+        );
+    }
+
+    /// Returns the value of an expression of JavaScript.
+    pub fn value(&mut self, expression: &str) -> Value {
+        let asked = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
+        let answer = self.call("Runtime.evaluate", asked);
+        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+        answer["result"]["value"].clone()
+    }
+
+    /// Returns the numbers of an expression whose value is an array.
+    pub fn numbers<const N: usize>(&mut self, expression: &str) -> [f64; N] {
+        let value = self.value(expression);
+        let numbers: Vec<f64> = value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        numbers.try_into().unwrap()
+    }
+
+    /// Returns the middle of an element on the screen.
+    pub fn middle(&mut self, selector: &str) -> [f64; 2] {
+        self.numbers(&format!(
+            "(({{ x, y, width, height }}) => [x + width / 2, y + height / 2])(document.querySelector('{selector}').getBoundingClientRect())"
+        ))
+    }
+
+    /// Moves fingers from places by displacements, in steps as a hand makes them.
+    pub fn drag(&mut self, fingers: &[([f64; 2], [f64; 2])]) {
+        const STEPS: u32 = 6;
+        for step in 0..=STEPS {
+            let share = f64::from(step) / f64::from(STEPS);
+            let points: Vec<Value> = fingers
+                .iter()
+                .enumerate()
+                .map(|(id, (from, by))| json!({ "id": id, "x": from[0] + share * by[0], "y": from[1] + share * by[1] }))
+                .collect();
+            let kind = if step == 0 { "touchStart" } else { "touchMove" };
+            self.call("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+        }
+        self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
+    }
+}
