@@ -7,7 +7,7 @@ use glam::{DVec3, Mat4, Vec3, Vec4};
 const ROOM: f32 = 1.02;
 /// Texels across a pixel at the centre of the scene, if the limits of the side allow. With half as many, twice as many
 /// pixels at a shadow's edge are on the wrong side of it.
-const TEXELS_PER_PIXEL: f32 = 6.0;
+const TEXELS_PER_PIXEL: f32 = 8.0;
 /// Smallest side of a map \[texels\].
 const SMALLEST: f32 = 256.0;
 /// Largest side of a map \[texels\]: on a software device, clearing a larger one takes longer than drawing the mesh.
@@ -149,9 +149,9 @@ mod tests {
     fn the_side_follows_from_the_pixel_within_its_limits_and_seldom_changes() {
         let side = |pixel: f32| ShadowSphere { pixel, ..SPHERE }.side();
         assert_eq!((side(1e-9), side(1e3)), (2048, 256));
-        for pixel in [0.017f32, 0.03, 0.05, 0.1] {
+        for pixel in [0.022f32, 0.03, 0.05, 0.1] {
             let texels = side(pixel) as f32 * pixel / SPHERE.diameter();
-            assert!((6.0..6.0 * 1.2).contains(&texels), "{texels} texels across a pixel");
+            assert!((8.0..8.0 * 1.2).contains(&texels), "{texels} texels across a pixel");
         }
         let mut sides: Vec<u32> = (0..1000).map(|i| side(0.01 * 1.002f32.powi(i))).collect();
         sides.dedup();
