@@ -166,7 +166,7 @@ fn a_browser_draws_a_mesh_as_this_program_does() {
 #[test]
 fn a_mesh_that_no_page_holds_is_refused() {
     let sandbox = Sandbox::with_small_surface();
-    sandbox.write("radial.toml", "mesh = \"plate\"\nsurface = \"flat\"\ngrooves = \"radial\"\n[camera]\neye = [0.0, 0.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = \"35deg\"\n");
+    sandbox.write("radial.toml", "mesh = \"plate\"\nsurface = \"flat\"\ngrooves = \"radial\"\nlights = [\"30,60\"]\n[camera]\neye = [0.0, 0.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = \"35deg\"\n");
     let before = sandbox.content();
     let refused = |more: &[&str], code: i32, what: &str| {
         let line = sandbox.run2(&EXPORT[..6], more).refused(code);
