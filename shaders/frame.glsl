@@ -21,7 +21,7 @@ struct Light {
     mat4 shadow_from_world;         // to the clip space of the light's depth map
 };
 
-const int MOST_LIGHTS = 8;
+const int MOST_LIGHTS = 8; // of src/render/frame_set.rs
 
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;

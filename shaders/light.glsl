@@ -31,8 +31,8 @@ float falloff(SurfacePoint at, Light light) {
     return light.emitter.w == ALL_AROUND ? around : aside;
 }
 
-// Returns true if depth map number `map`, that of the light, has a surface nearer to the light. The depth bias covers the depth change of
-// the surface within a texel of the map, and rounding.
+// Returns true if depth map number `map`, that of the light, has a surface nearer to the light. The depth bias covers
+// the depth change of the surface within a texel of the map, and rounding.
 bool in_shadow(SurfacePoint at, Light light, int map) {
     const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // TEXEL: the diagonal, with a margin
     vec3 toward = toward_light(at, light);

@@ -8,6 +8,7 @@ use crate::optics::coherence::Coherence;
 use crate::optics::color::Tone;
 use crate::optics::spectrum::Illuminant;
 use crate::scene::environment::Placement;
+use crate::scene::light::Emitter;
 use crate::scene::{Background, Camera, Environment, Incident, Light, Room, Scene, camera};
 use glam::{DVec3, Mat4, Vec3};
 
@@ -35,8 +36,8 @@ pub struct View {
 }
 
 impl View {
-    /// Returns a view of `scene` with its surroundings, under `lights`. The coherence
-    /// already accounts for part of the extent of each light, so it is subtracted.
+    /// Returns a view of `scene` with its surroundings, under `lights`. The coherence already accounts for part of the
+    /// extent of each light, so it is subtracted.
     pub fn under(scene: &Scene, lights: &[Light], coherence: &Coherence) -> Self {
         let room = Self::of(scene, Vec::new()).room();
         let lights =
@@ -151,9 +152,13 @@ impl View {
     /// Returns the matrix from the world to the clip space of the depth map of light number `light` for `pass`. Samples
     /// share the map of the light's centre if nobody sees the difference.
     fn shadow_from_world(&self, size: [u32; 2], light: usize, pass: &LightPass) -> Mat4 {
-        let sphere = self.shadow_sphere(size);
-        let whole = self.lights.get(light).map(|light| light.emitter.incident([0.5; 2], 1, &self.room()));
-        let shared = whole.filter(|whole| sphere.hides_extent_of(whole));
+        let (sphere, room) = (self.shadow_sphere(size), self.room());
+        let emitter = self.lights.get(light).map(|light| light.emitter);
+        // One of very many samples stands for its point of the light alone.
+        let end = |emitter: &Emitter, corner: f64| emitter.incident([corner; 2], u32::MAX, &room);
+        let hidden =
+            emitter.filter(|emitter| sphere.hides_penumbrae_between(&end(emitter, 0.0), &end(emitter, 1.0)));
+        let shared = hidden.map(|emitter| emitter.incident([0.5; 2], 1, &room));
         let jitter = if shared.is_some() { [0.0; 2] } else { pass.sample.jitter };
         let incident = shared.unwrap_or_else(|| self.incident_of(light, pass));
         match incident.place {
@@ -173,8 +178,8 @@ impl View {
     pub fn block(&self, size: [u32; 2], pass: &LightPass) -> FrameBlock {
         let clip_from_world = self.clip_from_world(size);
         let mut lights = [LightBlock::default(); MOST_LIGHTS];
-        for (block, light) in lights.iter_mut().zip(pass.numbers()) {
-            *block = self.light_block(size, light, pass);
+        for light in pass.numbers() {
+            lights[LightPass::place_of(light)] = self.light_block(size, light, pass);
         }
         FrameBlock {
             clip_from_world: camera::jittered(clip_from_world, size, pass.sample.jitter).to_cols_array_2d(),

@@ -19,7 +19,7 @@ use bytemuck::{Pod, Zeroable};
 use gpu_allocator::MemoryLocation;
 use std::sync::Arc;
 
-/// Largest number of lights that are drawn together.
+/// Largest number of lights that are drawn together. Their depth maps take up to 16 MiB each.
 pub const MOST_LIGHTS: usize = 8;
 
 /// The `Frame` block (std140).

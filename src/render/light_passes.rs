@@ -41,6 +41,12 @@ impl LightPass {
         Self { light, lights: 1, sample, weight: 1.0, is_first: light == 0 }
     }
 
+    /// Returns the place of light number `light` among the lights and depth maps of a pass. It is the same in all passes,
+    /// so that a pass leaves the depth maps of other lights as they are.
+    pub const fn place_of(light: usize) -> usize {
+        light % MOST_LIGHTS
+    }
+
     /// Iterates over the numbers of the lights.
     pub fn numbers(&self) -> Range<usize> {
         self.light..self.light + self.lights

@@ -267,8 +267,8 @@ impl Renderer {
         self.set_sources([&ObjectSources::new(source.clone(), optics.clone())])
     }
 
-    /// Sets the sources of the objects. Their large data must be uploaded already; only the parts that
-    /// depend on the index, the illuminant or the number of copies are uploaded.
+    /// Sets the sources of the objects. Their large data must be uploaded already; only the parts that depend on the
+    /// index, the illuminant or the number of copies are uploaded.
     ///
     /// # Errors
     /// Fails if the device is out of memory.
@@ -502,8 +502,14 @@ impl Renderer {
             object.frame.write(&block)?;
         }
         if let Some(shadow_pass) = &mut self.shadow_pass {
-            let maps = block.lights[..pass.lights].iter().map(|light| light.shadow_from_world).collect();
-            shadow_pass.select(&self.device, &self.objects, view.shadow_sphere(size).side(), maps)?;
+            let place = |light| (LightPass::place_of(light), block.lights[LightPass::place_of(light)]);
+            let maps = pass.numbers().map(place).map(|(place, light)| (place, light.shadow_from_world));
+            shadow_pass.select(
+                &self.device,
+                &self.objects,
+                view.shadow_sphere(size).side(),
+                maps.collect(),
+            )?;
         }
         self.shadings.prepare(&self.device, &self.objects, self.gbuffer.settings, (view, pass))?;
         self.block_input = Some(PassInput { view: view.clone(), pass: *pass, size });

@@ -5,12 +5,14 @@ use glam::{DVec3, Mat4, Vec3, Vec4};
 
 /// Margin around the sphere, so that nothing is cut off at the edge of the map.
 const ROOM: f32 = 1.02;
-/// Texels across a pixel at the centre of the scene, if the limits of the side allow. With half as many, twice as many
-/// pixels at a shadow's edge are on the wrong side of it.
+/// Texels across a pixel at the centre of the scene, if the limits of the side allow. A pixel at a shadow's edge is on its
+/// wrong side with the probability of being within a texel of it. Two samples of a scene of two objects, 48 × 36 pixels,
+/// erred by 0.030 with six texels and err by 0.009 with eight (relative L2 from rays in f64).
 const TEXELS_PER_PIXEL: f32 = 8.0;
 /// Smallest side of a map \[texels\].
 const SMALLEST: f32 = 256.0;
-/// Largest side of a map \[texels\]: on a software device, clearing a larger one takes longer than drawing the mesh.
+/// Largest side of a map \[texels\]. Two cores of lavapipe draw mesh and shadows at 640 × 480 pixels in 128 ms with a map of
+/// this side and in 60 ms with one of 16 texels.
 const LARGEST: f32 = 2048.0;
 /// Sides per doubling, so that a camera that comes closer rarely needs new maps.
 const PER_OCTAVE: f32 = 4.0;
@@ -39,18 +41,16 @@ impl ShadowSphere {
         2.0 * ROOM * self.radius.max(f32::MIN_POSITIVE)
     }
 
-    /// Returns true if a pixel hides the penumbrae of the light with this sample for all of it: the penumbra of the
-    /// nearest point on the farthest, and a texel of the map, are together smaller than a pixel.
-    pub fn hides_extent_of(&self, whole: &Incident) -> bool {
-        /// Diameter of a disc over the standard deviation of its points along an axis.
-        const DIAMETER: f64 = 4.0;
-        let extent = DIAMETER * whole.variance.sqrt();
-        let angle = match whole.place {
-            None => extent,
-            Some(lamp) => {
-                let distance = lamp.point.distance(self.centre.as_dvec3()) - f64::from(self.radius);
-                if distance > 0.0 { extent / distance } else { f64::INFINITY }
+    /// Returns true if a pixel hides the penumbrae of a light between these `ends`, its samples that are farthest apart: the
+    /// penumbra of the nearest point on the farthest, and a texel of the map, are together smaller than a pixel.
+    pub fn hides_penumbrae_between(&self, one: &Incident, other: &Incident) -> bool {
+        let angle = match (one.place, other.place) {
+            (Some(one), Some(other)) => {
+                let nearest = [one, other].map(|end| end.point.distance(self.centre.as_dvec3()));
+                let distance = nearest[0].min(nearest[1]) - f64::from(self.radius);
+                if distance > 0.0 { one.point.distance(other.point) / distance } else { f64::INFINITY }
             }
+            _ => one.direction.distance(other.direction),
         };
         let texel = self.diameter() / self.side() as f32;
         angle * f64::from(self.diameter()) + f64::from(texel) < f64::from(self.pixel)
@@ -159,14 +159,19 @@ mod tests {
     }
 
     #[test]
-    fn pixels_hide_points_and_small_discs_but_not_a_sun_that_they_resolve() {
+    fn pixels_hide_points_and_small_lights_but_no_sun_and_no_strip_that_they_resolve() {
         let room = Room { centre: SPHERE.centre.as_dvec3(), unit: 1.0 };
         let hides = |light: &str, pixel: f32| {
-            let light = Light::parse(light).unwrap();
-            ShadowSphere { pixel, ..SPHERE }.hides_extent_of(&light.emitter.incident([0.5; 2], 1, &room))
+            let emitter = Light::parse(light).unwrap().emitter;
+            let end = |corner: f64| emitter.incident([corner; 2], u32::MAX, &room);
+            ShadowSphere { pixel, ..SPHERE }.hides_penumbrae_between(&end(0.0), &end(1.0))
         };
-        // The sun's penumbra across the whole sphere is 0.0093 · 5.1 = 0.047 wide.
+        // The sun's penumbra across the whole sphere is 0.0093 · 5.1 = 0.047 wide, and a texel an eighth of a pixel.
         assert!(hides("30,90", 0.01) && hides("sun:30,90", 0.06));
-        assert!(!hides("sun:30,90", 0.04) && !hides("disc:20deg:30,90", 0.1));
+        assert!(!hides("sun:30,90", 0.05) && !hides("disc:20deg:30,90", 0.1));
+        // From a distance of 10 less the radius, a lamp of 0.05 makes a penumbra of 0.034.
+        assert!(hides("sphere:0.05:3,-2,11", 0.06) && !hides("sphere:0.05:3,-2,11", 0.03));
+        assert!(!hides("rectangle:2x0.001:3,-2,11", 0.06) && !hides("rectangle:0.001x2:3,-2,11", 0.06));
+        assert!(!hides("sphere:0.001:3,-2,2", 0.06), "a lamp inside the sphere");
     }
 }

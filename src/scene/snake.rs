@@ -42,8 +42,8 @@ mod tests {
         let facing = mesh.indices().chunks(3).filter(|t| {
             let [a, b, c] = [0, 1, 2].map(|k| mesh.vertices()[t[k] as usize]);
             let [p, q, r] = [a, b, c].map(|v| Vec3::from(v.position));
-            let optics: Vec3 = [a, b, c].map(|v| Vec3::from(v.normal)).into_iter().sum();
-            (q - p).cross(r - p).dot(optics) > 0.0
+            let shading: Vec3 = [a, b, c].map(|v| Vec3::from(v.normal)).into_iter().sum();
+            (q - p).cross(r - p).dot(shading) > 0.0
         });
         let share = facing.count() as f64 / mesh.triangle_count() as f64;
         assert!(share > 0.995, "{share}");

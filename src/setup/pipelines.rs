@@ -1,12 +1,11 @@
-//! Compiled pipelines in the cache on disk: on a GPU, a start spends most of its time on compiling them.
+//! Compiled pipelines in the cache on disk, so that a driver need not compile them again at the next start.
 
 use crate::cache::{EntryFormat, Kept, Key, Payload, Store};
 use crate::error::Result;
 use crate::vk::device::Device;
 use serde::{Deserialize, Serialize};
 
-/// Largest size of the pipelines of a device \[bytes\], a hundred times that of all stages. A driver with more starts
-/// anew.
+/// Largest size of the pipelines of a device \[bytes\]: a small part of the cache's default limit. More are not kept.
 const LARGEST: u64 = 64 << 20;
 
 /// Compiled pipelines of a device and its driver.
@@ -61,6 +60,9 @@ pub fn load_pipelines(device: &Device) {
 pub fn keep_pipelines(device: &Device) {
     let Some(store) = Store::open() else { return };
     let (Ok(key), Ok(data)) = (key(device), device.pipeline_data()) else { return };
+    if data.is_empty() {
+        return;
+    }
     let known = store.load_kept::<Pipelines>(&key, LARGEST).map_or(0, |kept| kept.data.len());
     if data.len() > known && data.len() as u64 <= LARGEST {
         let _ = store.save_kept(&key, &Pipelines { data });

@@ -7,8 +7,8 @@ use ash::vk;
 
 impl Device {
     /// Adds the pipelines in `data`, which [`Self::pipeline_data`] returned, to those of this device. The driver
-    /// recognises data of another device or driver by its header (Vulkan 1.3, 10.7.3) and ignores it. Nobody may be
-    /// making pipelines meanwhile.
+    /// recognises data of another device or driver by its header and ignores it (Vulkan specification, "Pipeline Cache
+    /// Header"). Nobody may be making pipelines meanwhile.
     ///
     /// # Errors
     /// Fails if the driver is out of memory.

@@ -14,7 +14,7 @@ use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
 use diffract::vk::access::Access;
 use diffract::vk::device::Device;
-use diffract::vk::hazards::{RecordedEvent, check};
+use diffract::vk::hazards::{RecordedEvent, Resource, check};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -176,5 +176,41 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
         assert_clean(&events, &[&drawing[..], &[TransferWrite, TransferRead, HostRead]].concat());
         let without_source: Vec<RecordedEvent> = events.iter().cloned().map(without_color_source).collect();
         assert!(!check(&without_source).is_empty(), "barriers from attachments are not looked at");
+    });
+}
+
+#[test]
+fn a_depth_map_is_drawn_where_its_light_has_moved() {
+    let scene = Scene::open("sphere").unwrap();
+    let mut view = view(&scene, 1);
+    view.environment = Some(Environment::open("sky").unwrap());
+    let field = patch(SurfaceKind::Bumps, 2.0);
+    with_device(|device| {
+        let source =
+            source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
+        let events = recorded(device, || {
+            let mesh = (&scene.main_object().mesh, &Pigment::white());
+            let mut renderer =
+                crate::renderer_with(device, &source, &mean(), mesh, SIZE, crate::shadows(true)).unwrap();
+            renderer.render(&view, &Sampling { count: 16, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
+        });
+        let maps: Vec<Resource> = events
+            .iter()
+            .filter_map(|event| match event {
+                RecordedEvent::Made(resource, name) if name == "shadow maps" => Some(*resource),
+                _ => None,
+            })
+            .collect();
+        let drawn = |layer: u32| {
+            let is = |event: &&RecordedEvent| match event {
+                RecordedEvent::Used(resource, Access::DepthAttachment, Some(area)) => {
+                    maps.contains(resource) && area.layer == [layer, 0]
+                }
+                _ => false,
+            };
+            events.iter().filter(is).count()
+        };
+        // The maps are made for the point, and for more layers once the sky is drawn; every fourth of the samples draws the sky.
+        assert_eq!([drawn(0), drawn(1), drawn(2)], [2, 4, 0]);
     });
 }

@@ -1,4 +1,4 @@
-//! Pictures under several lights, which are drawn one after the other.
+//! Pictures under several lights, which are drawn together.
 
 use crate::device::with_device;
 use crate::evaluation::patch;
@@ -61,7 +61,12 @@ fn sphere(lights: &[&str]) -> View {
 
 #[test]
 fn one_sample_under_any_number_of_lights_is_the_sum_over_each() {
-    let lights = ["40,-97,1", "20,10,0.5", "70,200,1", "35,-50,2", "80,20,0.7", "0,0,0.1"];
+    // More than a pass has, and lamps among distant lights. The only sample of a square is its middle, whatever its number.
+    let lights = [
+        ["40,-97,1", "20,10,0.5", "70,200,1", "sphere:0.5:2,-1,2", "35,-50,2"],
+        ["80,20,0.7", "0,0,0.1", "60,120,0.3", "50,300,0.8", "rectangle:0.3x0.3:0,-3,2"],
+    ]
+    .concat();
     let [each, all] = alone_and_together(&sphere(&lights), Sampling::ONE, Sampling::ONE);
     let error = colours(&all, &each);
     eprintln!("one sample under {} lights: {error:.1e}", lights.len());

@@ -58,19 +58,20 @@ impl LightDirections {
         object: &DeviceObject,
         gbuffer: &GBuffer,
     ) -> Result<()> {
-        self.pipelines.prepare(run, || {
+        self.pipelines.prepare(anywhere(run), || {
             let constants = run.constants();
             let fragment = Some(shader!("directions.frag").with(&constants));
             let drawing = over_objects(&[FORMAT; 3], gbuffer.settings);
             let sets = [&object.frame.descriptors];
-            Pipeline::graphics(device, shader!("display.vert"), fragment, &drawing, &sets, 0)
+            let push_bytes = size_of::<u32>() as u32;
+            Pipeline::graphics(device, shader!("display.vert"), fragment, &drawing, &sets, push_bytes)
         })
     }
 
     /// Records the directions of the light `run` at the pixels of `objects`, whose `Frame` blocks hold the light. The
     /// images become readable by shaders.
     pub fn record(&self, record: &Recorder<'_>, run: LightRun, gbuffer: &GBuffer, objects: &[DeviceObject]) {
-        let Some(pipeline) = self.pipelines.of(run) else { return };
+        let Some(pipeline) = self.pipelines.of(anywhere(run)) else { return };
         let images = [&self.light, &self.footprints, &self.mirrored];
         let mut before = images.map(|image| (image, Access::Nothing, Access::ColorAttachment)).to_vec();
         before.push((&gbuffer.depth, Access::DepthAttachment, Access::DepthAttachment));
@@ -82,9 +83,15 @@ impl LightDirections {
                 if gbuffer.settings.several {
                     draw.stencil(stencil_of(number));
                 }
+                draw.push(pipeline, bytemuck::bytes_of(&run.first));
                 draw.draw(3);
             }
         });
         record.images(&images.map(|image| (image, Access::ColorAttachment, Access::ShaderRead)));
     }
+}
+
+/// Returns `run` at the first place: one pipeline serves lights at all places.
+fn anywhere(run: LightRun) -> LightRun {
+    LightRun { first: 0, ..run }
 }

@@ -26,12 +26,12 @@ type ClipFromWorld = [[f32; 4]; 4];
 
 /// Depth maps of the lights of a pass.
 pub struct ShadowPass {
-    /// One layer for each light.
+    /// One layer for each place of a light.
     maps: Image,
     /// Matrix of each layer when it was drawn; `None` before that.
     drawn: RefCell<Vec<Option<ClipFromWorld>>>,
-    /// Matrix of each layer for the current position of its light.
-    wanted: Vec<ClipFromWorld>,
+    /// Layer of each light of the current pass, and its matrix.
+    wanted: Vec<(usize, ClipFromWorld)>,
     pipeline: Pipeline,
     block: Descriptors,
 }
@@ -74,8 +74,8 @@ impl ShadowPass {
         Ok(Self { maps: maps(device, 1, 1)?, drawn: RefCell::default(), wanted: Vec::new(), pipeline, block })
     }
 
-    /// Sets the matrices of the lights, and binds their maps, of this `side`, to `objects`. The device must not be using
-    /// the objects' sets.
+    /// Sets the lights of the pass, each with its layer and its matrix, and binds the maps, of this `side`, to `objects`. The
+    /// device must not be using the objects' sets.
     ///
     /// # Errors
     /// Fails if the device is out of memory for larger or further maps.
@@ -84,24 +84,26 @@ impl ShadowPass {
         device: &Arc<Device>,
         objects: &[DeviceObject],
         side: u32,
-        wanted: Vec<ClipFromWorld>,
+        wanted: Vec<(usize, ClipFromWorld)>,
     ) -> Result<()> {
-        let missing = wanted.len() > self.drawn.get_mut().len();
-        if missing || self.maps.size() != [side; 2] {
-            let layers = wanted.len().max(self.drawn.get_mut().len());
+        let drawn = self.drawn.get_mut();
+        let layers = wanted.iter().map(|(layer, _)| layer + 1).fold(drawn.len(), usize::max);
+        if layers > drawn.len() || self.maps.size() != [side; 2] {
             self.maps = maps(device, side, layers as u32)?;
-            *self.drawn.get_mut() = vec![None; layers];
+            *drawn = vec![None; layers];
             objects.iter().for_each(|object| object.frame.read_shadow(Some(&self.maps)));
         }
         self.wanted = wanted;
         Ok(())
     }
 
-    /// Records the drawing of `objects` into the maps that are not up to date; all maps become readable by shaders.
+    /// Records the drawing of `objects` into the maps of the pass that are not up to date; all maps become readable by
+    /// shaders.
     pub fn record(&self, record: &Recorder<'_>, objects: &[DeviceObject]) {
         let mut drawn = self.drawn.borrow_mut();
-        let mut current = drawn.iter().zip(&self.wanted).map(|(drawn, wanted)| *drawn == Some(*wanted));
-        if current.all(|current| current) {
+        let stale: Vec<_> =
+            self.wanted.iter().filter(|(layer, matrix)| drawn[*layer] != Some(*matrix)).collect();
+        if stale.is_empty() {
             return;
         }
         let side = self.maps.size();
@@ -110,13 +112,12 @@ impl ShadowPass {
         let is_new = drawn.iter().all(Option::is_none);
         let before = if is_new { Access::Nothing } else { Access::ShaderRead };
         all.images(&[(&self.maps, before, Access::DepthAttachment)]);
-        for (layer, (drawn, wanted)) in (0..).zip(drawn.iter_mut().zip(&self.wanted)) {
-            if drawn.replace(*wanted) == Some(*wanted) {
-                continue;
-            }
-            all.render_layer(&self.maps, layer, |draw| {
+        for &&(layer, matrix) in &stale {
+            drawn[layer] = Some(matrix);
+            let number = layer as u32;
+            all.render_layer(&self.maps, number, |draw| {
                 draw.bind(&self.pipeline, &[&self.block]);
-                objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw, layer));
+                objects.iter().filter(|o| o.casts_shadows).for_each(|object| object.mesh.draw(draw, number));
             });
         }
         all.images(&[(&self.maps, Access::DepthAttachment, Access::ShaderRead)]);

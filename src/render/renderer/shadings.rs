@@ -129,10 +129,10 @@ impl Shadings {
         pass.numbers().any(|light| self.run_of(view, light).mirrored)
     }
 
-    /// Returns the run of light number `light` of `view` alone, the first of its pass.
+    /// Returns the run of light number `light` of `view` alone.
     pub fn run_of(&self, view: &View, light: usize) -> LightRun {
         LightRun {
-            first: 0,
+            first: LightPass::place_of(light) as u32,
             lights: 1,
             mirrored: view.is_surroundings(light) && self.mirrors_surroundings(),
             lamp: view.lights.get(light).is_some_and(Light::is_lamp),
@@ -168,6 +168,7 @@ impl Shadings {
         view: &View,
         pass: &LightPass,
     ) -> Vec<ShadedObject<'a>> {
+        let first = LightPass::place_of(pass.light) as u32;
         let mut draws = Vec::new();
         for entry in &self.all {
             draws.extend(self.runs(view, pass, entry).into_iter().map(|run| ShadedObject {
@@ -177,7 +178,7 @@ impl Shadings {
                 pass: &entry.pass,
                 lights: run,
                 white: entry.white,
-                counts: pass.is_first && run.first == 0,
+                counts: pass.is_first && run.first == first,
             }));
         }
         draws
@@ -186,11 +187,11 @@ impl Shadings {
     /// Returns the lights of `pass` of `view` that `entry` shades, as runs of consecutive lights of one kind.
     fn runs(&self, view: &View, pass: &LightPass, entry: &ObjectShading) -> Vec<LightRun> {
         let mut runs: Vec<LightRun> = Vec::new();
-        for (place, light) in (0..).zip(pass.numbers()) {
+        for light in pass.numbers() {
             if !self.shades(entry, view.illuminant(light)) {
                 continue;
             }
-            let alone = LightRun { first: place, ..self.run_of(view, light) };
+            let alone = self.run_of(view, light);
             match runs.last_mut() {
                 Some(run) if run.is_continued_by(alone) => run.lights += 1,
                 _ => runs.push(alone),
