@@ -186,6 +186,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--check", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null"]]),
     ("--table", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null"]]),
     ("--html", &[&["", "none/out.html", ".", "..", "/", "/dev/null", "grey.png/out.html", "folder.png"]]),
+    ("--mesh", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null", "none/of.obj"]]),
     ("--answers", &[&["", "nothing.csv", ".", "grey.png"]]), // there is nothing to check
     ("--channel", &[&["", " ", "phase", "0", "2", "-1", "1.0"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
@@ -213,7 +214,7 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
         ["view"] => [&["plate", "--size", "64x48"][..], &SURFACE, &OPTICS].concat(),
         ["render"] => [&["plate", "--size", "4x4", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
         ["eval"] => [&["--queries", "q.csv", "--output", "out.png"][..], &SURFACE, &OPTICS].concat(),
-        ["export"] => [&["--output", "material"][..], &SURFACE, &OPTICS].concat(),
+        ["export"] => [&["--output", "material", "--html", "page.html"][..], &SURFACE, &OPTICS].concat(),
         ["brdf"] => {
             let own = ["--light", "30,0", "--size", "4x4", "--output", "out.png"];
             [&own[..], &SURFACE, &OPTICS].concat()
