@@ -68,15 +68,19 @@ vec3 light_from(SurfacePoint at, Light light, vec3 move) {
     return normalize(LAMP ? toward_light(at, light) - move : toward_light(at, light));
 }
 
+// Smallest variance of u: far below that of any pixel, and not 0, which would divide.
+const float SMALLEST_VARIANCE = 1e-20;
+
 // Returns the footprint whose covariance is the sum of that of `change` and that of a light with a `variance` of
 // directions, in (u, v). Nothing branches on the variance: lavapipe would compile the stage anew for each value.
 Footprint widened(Footprint change, float variance, vec2 to_light) {
     vec2 dx = change.dx, dy = change.dy;
-    float uu = dx.x * dx.x + dy.x * dy.x + variance * (1.0 - to_light.x * to_light.x);
+    vec2 foreshortened = max(1.0 - to_light * to_light, 0.0); // negative by rounding at grazing angles
+    float uu = dx.x * dx.x + dy.x * dy.x + variance * foreshortened.x;
     float uv = dx.x * dx.y + dy.x * dy.y - variance * to_light.x * to_light.y;
-    float vv = dx.y * dx.y + dy.y * dy.y + variance * (1.0 - to_light.y * to_light.y);
+    float vv = dx.y * dx.y + dy.y * dy.y + variance * foreshortened.y;
     // Cholesky's root, as the columns of a Jacobian.
-    float u = sqrt(uu), v = uv / u;
+    float u = sqrt(max(uu, SMALLEST_VARIANCE)), v = uv / u;
     bvec2 wide = bvec2(variance > 0.0);
     return Footprint(mix(dx, vec2(u, v), wide), mix(dy, vec2(0.0, sqrt(max(vv - v * v, 0.0))), wide));
 }

@@ -16,7 +16,6 @@ layout(push_constant) uniform Shade {
 #include "gbuffer.glsl"
 #include "light.glsl"
 
-layout(constant_id = 0) const bool MARKED = true;      // true if uncovered pixels have to be skipped
 layout(constant_id = 1) const bool OWN_REFLECTANCE = false; // true if the source already contains Fresnel's R
 layout(constant_id = 2) const float NORMAL_OF_PIGMENT = 0.0; // R0 that attenuates the pigment if the source contains R
 
@@ -56,7 +55,7 @@ vec3 of_surroundings(SurfacePoint at, mat2x3 views, Light light) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     radiance = vec4(0.0);
-    if (MARKED && !covered(texelFetch(facing, pixel, 0))) {
+    if (!covered(texelFetch(facing, pixel, 0))) {
         return;
     }
     SurfacePoint at = surface_at(pixel);

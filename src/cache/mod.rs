@@ -66,6 +66,11 @@ impl Store {
         Self { folder: folder.into(), limit }
     }
 
+    /// Returns the most bytes that the store holds.
+    pub fn limit(&self) -> u64 {
+        self.limit
+    }
+
     /// Returns the folder, which need not exist yet.
     pub fn folder(&self) -> &Path {
         &self.folder

@@ -27,9 +27,14 @@ pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
     Ok(device)
 }
 
-/// Keeps the pipelines of `device`. Fails if there are validation messages about it so far.
+/// Keeps the pipelines of `device`. Fails if there are validation messages about it.
 pub fn finish(device: &Device) -> Result<()> {
     setup::keep_pipelines(device);
+    check(device)
+}
+
+/// Fails if there are validation messages about `device` so far.
+pub fn check(device: &Device) -> Result<()> {
     check_validation(&device.instance().messages())
 }
 

@@ -269,7 +269,7 @@ fn draw(
                 picture
             }
         };
-        prepare::finish(&device)?;
+        prepare::check(&device)?;
         let mut notes = shot.notes.clone();
         if shot.is_sealed {
             notes = finished::sealed(notes, format, &picture);

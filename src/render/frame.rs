@@ -150,7 +150,7 @@ impl View {
     }
 
     /// Returns the matrix from the world to the clip space of the depth map of light number `light` for `pass`. Samples
-    /// share the map of the light's centre if nobody sees the difference.
+    /// share the map of the light's centre if its penumbrae are narrower than a pixel.
     fn shadow_from_world(&self, size: [u32; 2], light: usize, pass: &LightPass) -> Mat4 {
         let (sphere, room) = (self.shadow_sphere(size), self.room());
         let emitter = self.lights.get(light).map(|light| light.emitter);
@@ -170,11 +170,18 @@ impl View {
     /// Returns the sphere that depth maps cover in pictures of `size` pixels.
     pub fn shadow_sphere(&self, size: [u32; 2]) -> ShadowSphere {
         let distance = self.camera.eye().distance(self.centre);
-        let pixel = 2.0 * distance * (0.5 * self.camera.field_of_view).tan() / size[1].max(1) as f32;
-        ShadowSphere { centre: self.centre, radius: self.radius, pixel }
+        let pixel_at =
+            |distance: f32| 2.0 * distance * (0.5 * self.camera.field_of_view).tan() / size[1].max(1) as f32;
+        let nearest = (distance - self.radius).max(0.0);
+        ShadowSphere {
+            centre: self.centre,
+            radius: self.radius,
+            pixel: pixel_at(distance),
+            nearest_pixel: pixel_at(nearest),
+        }
     }
 
-    /// Returns the `Frame` block of `pass` in a picture of `size` pixels, but for what belongs to each object.
+    /// Returns the `Frame` block of `pass` in a picture of `size` pixels, without the fields of an object.
     pub fn block(&self, size: [u32; 2], pass: &LightPass) -> FrameBlock {
         let clip_from_world = self.clip_from_world(size);
         let mut lights = [LightBlock::default(); MOST_LIGHTS];

@@ -80,7 +80,7 @@ pub struct SampleBlock {
     pub jitter: [f32; 2],
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub footprint: f32,
-    /// Number of the sample among those of its light, from 0.
+    /// Number of the sample, from 0, counting those that draw the light.
     pub index: u32,
     /// Number of samples in the picture that draw the light.
     pub count: u32,

@@ -18,8 +18,6 @@ pub const UNCOVERED: f32 = 100.0;
 pub struct GBufferSettings {
     /// True if a texture gives the pigment.
     pub textured: bool,
-    /// True if the images are [`UNCOVERED`] at uncovered pixels; otherwise they are undefined there.
-    pub marked: bool,
     /// True if there are several objects, so that the object number is written beside the depth.
     pub several: bool,
 }

@@ -166,7 +166,6 @@ impl Renderer {
         }
         let gbuffer_settings = GBufferSettings {
             textured: objects.iter().any(|object| object.pigment.is_textured()),
-            marked: sources.iter().flatten().any(|source| source.asks_what_is_covered),
             several: objects.len() > 1,
         };
         let gbuffer = GBuffer::new(device, size, gbuffer_settings)?;
@@ -219,8 +218,9 @@ impl Renderer {
         (self.gbuffer, self.light_directions) = (gbuffer, None);
         self.target = Target::new(&self.device, size)?;
         self.display.read_from(&self.target.radiance);
-        if let Some(accumulation) = &mut self.accumulation {
+        if let Some(mut accumulation) = self.accumulation.take() {
             accumulation.resize(&self.device, &self.target)?;
+            self.accumulation = Some(accumulation);
         }
         self.bind_background();
         Ok(())
@@ -274,18 +274,8 @@ impl Renderer {
     /// Fails if the device is out of memory.
     pub fn set_sources<'a>(&mut self, sources: impl IntoIterator<Item = &'a ObjectSources>) -> Result<()> {
         self.invalidate();
+        self.pixel_time = None;
         self.shadings.rebind(&self.device, sources.into_iter().flat_map(ObjectSources::all))
-    }
-
-    /// Draws `drawn` pass by pass, each in a single submission.
-    fn draw_whole(&mut self, drawn: DrawRequest<'_>, finish: FinalStep) -> Result<()> {
-        for number in 0..drawn.passes.len() {
-            self.write(drawn.view, drawn.size, &drawn.passes[number])?;
-            let piece = Piece::whole(drawn.size, self.shadings.parts(drawn.view, &drawn.passes[number]));
-            self.submit(drawn, number, piece, finish)?;
-            self.in_flight.finish()?;
-        }
-        Ok(())
     }
 
     /// Draws `drawn` pass by pass in pieces, as [`Self::draw`] describes. Returns the device time.
@@ -491,8 +481,14 @@ impl Renderer {
         Ok(best)
     }
 
+    /// Returns true if the images hold a picture for display and read-back: not a part of one that was abandoned.
+    pub fn has_picture(&self) -> bool {
+        matches!(self.shows, Content::Sample | Content::Mean)
+    }
+
     /// Writes the `Frame` block of `view` for a `pass` in pictures of `size` pixels.
     fn write(&mut self, view: &View, size: [u32; 2], pass: &LightPass) -> Result<()> {
+        self.block_input = None; // in case of an error
         let unit = self.bind_environment(view)?;
         let mut block = view.block(size, pass);
         block.surroundings[2] *= unit;

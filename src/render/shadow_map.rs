@@ -26,6 +26,8 @@ pub struct ShadowSphere {
     pub radius: f32,
     /// Width of a pixel at the centre.
     pub pixel: f32,
+    /// Width of a pixel at the nearest point of the sphere; 0 if the viewer is inside.
+    pub nearest_pixel: f32,
 }
 
 impl ShadowSphere {
@@ -41,8 +43,9 @@ impl ShadowSphere {
         2.0 * ROOM * self.radius.max(f32::MIN_POSITIVE)
     }
 
-    /// Returns true if a pixel hides the penumbrae of a light between these `ends`, its samples that are farthest apart: the
-    /// penumbra of the nearest point on the farthest, and a texel of the map, are together smaller than a pixel.
+    /// Returns true if a pixel hides the penumbrae of a light between these ends, its samples that are farthest apart: the
+    /// penumbra of the nearest point on the farthest, and a texel of the map, are together smaller than a pixel anywhere
+    /// on the sphere.
     pub fn hides_penumbrae_between(&self, one: &Incident, other: &Incident) -> bool {
         let angle = match (one.place, other.place) {
             (Some(one), Some(other)) => {
@@ -53,7 +56,7 @@ impl ShadowSphere {
             _ => one.direction.distance(other.direction),
         };
         let texel = self.diameter() / self.side() as f32;
-        angle * f64::from(self.diameter()) + f64::from(texel) < f64::from(self.pixel)
+        angle * f64::from(self.diameter()) + f64::from(texel) < f64::from(self.nearest_pixel)
     }
 
     /// Returns the offset in clip space of a map that is shifted by `jitter` \[texels\] against the mesh, so that its
@@ -115,7 +118,8 @@ mod tests {
     use crate::scene::Light;
     use crate::scene::Room;
 
-    const SPHERE: ShadowSphere = ShadowSphere { centre: Vec3::new(3.0, -2.0, 1.0), radius: 2.5, pixel: 0.01 };
+    const SPHERE: ShadowSphere =
+        ShadowSphere { centre: Vec3::new(3.0, -2.0, 1.0), radius: 2.5, pixel: 0.01, nearest_pixel: 0.01 };
 
     #[test]
     fn a_map_holds_the_sphere_and_what_is_nearer_to_the_light_has_less_depth() {
@@ -164,7 +168,8 @@ mod tests {
         let hides = |light: &str, pixel: f32| {
             let emitter = Light::parse(light).unwrap().emitter;
             let end = |corner: f64| emitter.incident([corner; 2], u32::MAX, &room);
-            ShadowSphere { pixel, ..SPHERE }.hides_penumbrae_between(&end(0.0), &end(1.0))
+            ShadowSphere { pixel, nearest_pixel: pixel, ..SPHERE }
+                .hides_penumbrae_between(&end(0.0), &end(1.0))
         };
         // The sun's penumbra across the whole sphere is 0.0093 · 5.1 = 0.047 wide, and a texel an eighth of a pixel.
         assert!(hides("30,90", 0.01) && hides("sun:30,90", 0.06));
@@ -173,5 +178,11 @@ mod tests {
         assert!(hides("sphere:0.05:3,-2,11", 0.06) && !hides("sphere:0.05:3,-2,11", 0.03));
         assert!(!hides("rectangle:2x0.001:3,-2,11", 0.06) && !hides("rectangle:0.001x2:3,-2,11", 0.06));
         assert!(!hides("sphere:0.001:3,-2,2", 0.06), "a lamp inside the sphere");
+        // A point casts edges as sharp as a texel, which pixels close to the viewer resolve.
+        let point = Light::parse("30,90").unwrap().emitter.incident([0.5; 2], u32::MAX, &room);
+        let hides_from = |nearest_pixel: f32| {
+            ShadowSphere { nearest_pixel, ..SPHERE }.hides_penumbrae_between(&point, &point)
+        };
+        assert!(hides_from(0.008) && !hides_from(0.001) && !hides_from(0.0));
     }
 }

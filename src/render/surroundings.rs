@@ -1,5 +1,5 @@
-//! Picture of a scene's surroundings on the device, which the geometry pass reads in the mirrored direction of each
-//! pixel. Mip levels are means over growing squares of pixels.
+//! Picture of a scene's surroundings on the device, which shading reads in the mirrored direction of each pixel,
+//! and the background in the direction of its view. Mip levels are means over growing squares of pixels.
 
 use super::upload;
 use crate::error::Result;

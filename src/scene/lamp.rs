@@ -59,6 +59,9 @@ pub struct Room {
 
 /// Largest coordinate and size.
 const FARTHEST: f64 = 1e6;
+/// Smallest size of a lamp, in units of the scene: every pixel sees it as a point. Areas and radiances of far smaller ones
+/// leave the range of 64-bit floats.
+const SMALLEST: f64 = 1e-9;
 /// Largest radiance and power.
 const STRONGEST: f64 = 1e12;
 const SPHERE: &str = "write sphere:DIAMETER:X,Y,Z[,STRENGTH] in units of the scene, as in sphere:0.1:0.2,0,1 or sphere:0.1:0.2,0,1,60W";
@@ -278,10 +281,10 @@ fn refused(text: &str, form: &'static str) -> Error {
 }
 
 fn size(text: &str, light: &str) -> Result<f64> {
-    units::number(text.trim()).filter(|size| *size > 0.0 && *size <= FARTHEST).ok_or_else(|| {
+    units::number(text.trim()).filter(|size| (SMALLEST..=FARTHEST).contains(size)).ok_or_else(|| {
         Error::usage(
             format!("the size '{text}' in the light '{light}'"),
-            "give a number above 0, at most 1000000, in units of the scene",
+            "give a number from 1e-9 to 1000000, in units of the scene",
         )
     })
 }

@@ -5,8 +5,10 @@ use crate::error::Result;
 use crate::vk::device::Device;
 use serde::{Deserialize, Serialize};
 
-/// Largest size of the pipelines of a device \[bytes\]: a small part of the cache's default limit. More are not kept.
+/// Largest size of the pipelines of a device \[bytes\]: a small part of the cache's default limit.
 const LARGEST: u64 = 64 << 20;
+/// Part of a smaller cache that they may fill.
+const SHARE: u64 = 8;
 
 /// Compiled pipelines of a device and its driver.
 pub struct Pipelines {
@@ -46,7 +48,7 @@ fn key(device: &Device) -> Result<Key> {
     )
 }
 
-/// Adds the pipelines that the cache keeps for `device` to it. Without them it compiles its own.
+/// Adds the pipelines that the cache keeps for `device` to it. Without any, the driver compiles all of them.
 pub fn load_pipelines(device: &Device) {
     let Some(store) = Store::open() else { return };
     let Ok(key) = key(device) else { return };
@@ -55,18 +57,25 @@ pub fn load_pipelines(device: &Device) {
     }
 }
 
-/// Keeps the pipelines of `device` in the cache, if there are more than it has. Failures are ignored: the next start
-/// compiles them again.
+/// Keeps the pipelines of `device` in the cache, if there are more than it has. Where they outgrow their room, none are
+/// kept, and those of the next run come in their place. Failures are ignored: the next start compiles them again.
 pub fn keep_pipelines(device: &Device) {
     let Some(store) = Store::open() else { return };
     let (Ok(key), Ok(data)) = (key(device), device.pipeline_data()) else { return };
     if data.is_empty() {
         return;
     }
-    let known = store.load_kept::<Pipelines>(&key, LARGEST).map_or(0, |kept| kept.data.len());
-    if data.len() > known && data.len() as u64 <= LARGEST {
-        let _ = store.save_kept(&key, &Pipelines { data });
+    let _ = keep(&store, &key, data);
+}
+
+/// Keeps `data` as the pipelines of `key`, as [`keep_pipelines`] describes.
+fn keep(store: &Store, key: &Key, data: Vec<u8>) -> Result<()> {
+    let room = LARGEST.min(store.limit() / SHARE);
+    let known = store.load_kept::<Pipelines>(key, LARGEST).map_or(0, |kept| kept.data.len());
+    if data.len() as u64 > room {
+        return if known > 0 { store.save_kept(key, &Pipelines { data: Vec::new() }) } else { Ok(()) };
     }
+    if data.len() > known { store.save_kept(key, &Pipelines { data }) } else { Ok(()) }
 }
 
 #[cfg(test)]
@@ -84,5 +93,24 @@ mod tests {
         assert_eq!(store.load_kept::<Pipelines>(&key, LARGEST).unwrap().data, data);
         assert!(store.load_kept::<Pipelines>(&other, LARGEST).is_none());
         assert!(store.load_kept::<Pipelines>(&key, 999).is_none(), "more than the limit");
+    }
+
+    #[test]
+    fn pipelines_that_outgrow_their_room_make_place_for_those_of_the_next_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::at(folder.path().join("cache"), 80_000);
+        let key = Key::of_settings(&Pipelines::FORMAT, &"driver").unwrap();
+        let kept = || store.load_kept::<Pipelines>(&key, LARGEST).map(|kept| kept.data.len());
+        for (bytes, expected) in [
+            (20_000, None), // never kept
+            (9_000, Some(9_000)),
+            (8_000, Some(9_000)), // fewer than are kept
+            (10_000, Some(10_000)),
+            (10_001, Some(0)),
+            (500, Some(500)),
+        ] {
+            keep(&store, &key, vec![1; bytes]).unwrap();
+            assert_eq!(kept(), expected, "{bytes}");
+        }
     }
 }

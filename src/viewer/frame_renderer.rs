@@ -132,7 +132,7 @@ const BETWEEN_REPORTS: f64 = 250.0;
 const LONGEST_MOVING_FRAME: f64 = 400.0;
 
 impl FrameRenderer {
-    /// Makes a renderer without renderers.
+    /// Makes the state before the first frame.
     pub fn new(device: Arc<Device>) -> Self {
         Self {
             full: None,
@@ -456,6 +456,7 @@ fn paint(
     let wanted = Displayed { view: view.clone(), shown, size, sampling: Sampling::ONE };
     if let Some(displayed) = &slot.displayed
         && !request.again
+        && slot.renderer.has_picture()
         && slot.renderer.target().size() == request.size
         && [Sampling::ONE, request.sampling].contains(&displayed.sampling)
         && *displayed

@@ -161,6 +161,27 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
 }
 
 #[test]
+fn the_first_samples_of_a_mean_that_are_given_up_leave_no_picture_for_read_back() {
+    let scene = Scene::open("sphere").unwrap();
+    let (view, sampling) = (view(&scene), Sampling { count: 4, seed: 1 });
+    with_device(|device| {
+        let mut renderer = renderer(device, &scene);
+        renderer.draw(&PictureRequest::one_sample(&view, SIZE, SHOWN), &mut |_| true).unwrap();
+        assert!(renderer.has_picture());
+        let mut pieces = 0;
+        let request = PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN };
+        let mut one_piece = |_| {
+            pieces += 1;
+            pieces < 2
+        };
+        assert!(renderer.draw(&request, &mut one_piece).unwrap().is_none(), "one piece is all samples");
+        assert!(!renderer.has_picture());
+        renderer.draw(&request, &mut |_| true).unwrap();
+        assert!(renderer.has_picture());
+    });
+}
+
+#[test]
 fn sample_after_sample_the_device_holds_the_same() {
     let scene = Scene::open("sphere").unwrap();
     let (view, sampling) = (view(&scene), Sampling { count: 64, seed: 1 });

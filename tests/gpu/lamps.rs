@@ -207,9 +207,9 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             }
             eprintln!("{count} samples: {apart} apart, {thin:?} covered by less than one");
             assert!(count == 1 || thin[0] > 100, "{count} samples: {} pixels of less than one", thin[0]);
-            assert!(12 * thin[1] <= thin[0], "{count} samples: {thin:?} pixels of less than one are others");
+            assert!(50 * thin[1] <= thin[0], "{count} samples: {thin:?} pixels of less than one are others");
             assert!(behind > 4000, "{count} samples: {behind} pixels of the surroundings");
-            assert!(apart < expected.len() / 12, "{count} samples: {apart} pixels are others");
+            assert!(apart < expected.len() / 500, "{count} samples: {apart} pixels are others");
             // A picture of another view that is given up changes nothing of what is shown.
             let elsewhere = Camera { phi: view.camera.phi + 1.0, ..view.camera };
             let other = View { camera: elsewhere, ..view.clone() };

@@ -173,7 +173,10 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
     let background = DVec3::splat(0.2);
     with_device(|device| {
         let mut whole = renderer(device, &scene, SIZE);
-        let expected = whole.render_plain(&view, 1.0, background).unwrap();
+        // Measurements draw each pass in one submission.
+        let watch = whole.stopwatch().unwrap();
+        whole.time(&watch, &view, 1.0, background).unwrap();
+        let expected = whole.read_back().unwrap();
         let mut renderer = renderer(device, &scene, SIZE);
         let mut asked = 0;
         let mut count = |part: f64| {
@@ -205,6 +208,7 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
                 !renderer.display(SIZE, Shown::plain(0.0, background)).unwrap(),
                 "half a picture is none"
             );
+            assert!(!renderer.has_picture());
         }
         renderer
             .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(1.0, background)), &mut |_| true)

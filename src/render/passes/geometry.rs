@@ -60,8 +60,7 @@ impl GeometryPass {
         let mut before = change(Access::Nothing, Access::ColorAttachment);
         before.push((&gbuffer.depth, Access::Nothing, Access::DepthAttachment));
         record.images(&before);
-        let mark = gbuffer.settings.marked.then_some([UNCOVERED; 4]);
-        let colors: Vec<_> = gbuffer.images().map(|image| (image, mark)).collect();
+        let colors: Vec<_> = gbuffer.images().map(|image| (image, Some([UNCOVERED; 4]))).collect();
         record.render(&colors, Some(&gbuffer.depth), |draw| {
             for (number, (object, pipeline)) in objects.iter().zip(&self.pipelines).enumerate() {
                 draw.bind(pipeline, &[&object.frame.descriptors]);

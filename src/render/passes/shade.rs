@@ -72,7 +72,7 @@ pub struct ShadedObject<'a> {
 }
 
 impl ShadedObject<'_> {
-    /// Adds these `parts` of the sum to the pixels of the object; `several`: only to its pixels among those of others.
+    /// Adds these `parts` of the sum to the pixels of the object. `several`: the stencil tells them from those of others.
     fn draw(&self, draw: &Recorder<'_>, several: bool, parts: &Range<u32>) {
         let Self { number, object, source, lights, white, counts, .. } = *self;
         let Some(pipeline) = self.pass.pipelines.of(lights) else { return };

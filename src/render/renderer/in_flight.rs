@@ -89,15 +89,13 @@ impl InFlight {
         Ok(finished)
     }
 
-    /// Waits for all submissions. Returns those that [`Self::submit`] has not returned, in their order.
+    /// Waits for all submissions, even if one fails. Returns those that [`Self::submit`] has not returned, in their order.
     ///
     /// # Errors
     /// Fails if the device is lost.
     pub fn finish(&mut self) -> Result<Vec<Finished>> {
-        let mut finished = Vec::new();
-        for step in 0..IN_FLIGHT {
-            finished.extend(self.submissions[(self.next + step) % IN_FLIGHT].wait()?);
-        }
-        Ok(finished)
+        let (earlier, later) = self.submissions.split_at_mut(self.next);
+        let waited: Vec<_> = later.iter_mut().chain(earlier).map(Submission::wait).collect();
+        waited.into_iter().filter_map(Result::transpose).collect()
     }
 }

@@ -119,15 +119,15 @@ impl Renderer {
         self.read_back()
     }
 
-    /// Draws a single `sample` of `view` under all lights, each pass in one submission, and displays it with the settings
-    /// `shown`.
+    /// Draws a single `sample` of `view` under all lights and displays it with the settings `shown`.
     ///
     /// # Errors
     /// Fails if the device is lost.
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
         let passes = self.shadings.bounded(all_lights(view.light_count(), *sample));
         let drawn = DrawRequest { view, size: self.target.size(), passes: &passes };
-        self.draw_whole(drawn, FinalStep::Display(shown))
+        self.draw_tiles(drawn, FinalStep::Display(shown), &mut |_| true)?;
+        Ok(())
     }
 
     /// Draws one sample of `view` at the pixel centres and displays it without tone mapping.

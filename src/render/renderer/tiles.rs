@@ -12,9 +12,13 @@ const STEP: u32 = 4;
 const FADING: f64 = 0.995;
 /// Least time of a loop iteration on a software device \[ms\]: a fraction of the usual time, because few pixels reach
 /// the maximum of iterations.
-const AN_ITERATION: f64 = 1e-6;
+const ITERATION_TIME: f64 = 1e-6;
+/// Largest ratio of the pixels of a tile to those of the tile before, because the next tile may be more expensive: in a
+/// picture of unknown cost, and in one like the last.
+const UNKNOWN_GROWTH: f64 = 2.0;
+const KNOWN_GROWTH: f64 = 4.0;
 /// Assumed ratio of the most expensive part of a picture to its average.
-const DEAREST: f64 = 4.0;
+const MOST_EXPENSIVE: f64 = 4.0;
 
 /// Part of a picture that is drawn in one submission.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,11 +32,6 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// Returns the whole picture of `size` pixels whose sum has `parts` parts.
-    pub(super) fn whole(size: [u32; 2], parts: u32) -> Self {
-        Self { tile: size.map(|n| 0..n), parts: 0..parts, pixels: f64::from(size[0]) * f64::from(size[1]) }
-    }
-
     /// Returns true if this is the first piece of a picture.
     pub(super) fn is_first(&self) -> bool {
         self.parts.start == 0 && self.tile.iter().all(|range| range.start == 0)
@@ -61,7 +60,7 @@ pub(super) struct Tiles {
     // Mean milliseconds per pixel, if known from the last picture.
     known: Option<f64>,
     // Decaying maximum of the milliseconds per pixel of the last tiles.
-    dearest: f64,
+    most_expensive: f64,
     // Lower bound of the milliseconds per pixel until tiles are measured.
     least: f64,
 }
@@ -70,19 +69,18 @@ impl Tiles {
     /// Makes the tiles of a picture of `size` pixels. `known`: mean milliseconds per pixel when it was drawn last. A
     /// pixel takes up to `iterations` of a loop, in `parts` parts.
     pub(super) fn new(size: [u32; 2], known: Option<f64>, iterations: usize, parts: u32) -> Self {
-        let least = if known.is_none() { iterations as f64 * AN_ITERATION } else { 0.0 };
-        let smallest = f64::from(STEP * STEP);
-        let pixels = known.map_or(smallest, |time| LONGEST / (DEAREST * time).max(1e-9));
+        let least = if known.is_none() { iterations as f64 * ITERATION_TIME } else { 0.0 };
         Self {
             size,
             parts,
             corner: [0; 2],
             begun: None,
             drawn: 0.0,
-            pixels,
+            // The last picture may have shown less of the mesh.
+            pixels: f64::from(STEP * STEP),
             last: 0.0,
             known,
-            dearest: 0.0,
+            most_expensive: 0.0,
             least,
         }
     }
@@ -110,12 +108,12 @@ impl Tiles {
     /// Returns the number of parts of a tile to draw together: few enough to meet the target time even if the tile is
     /// more expensive than the last ones.
     fn parts_together(&self) -> u32 {
-        if self.dearest == 0.0 {
+        if self.most_expensive == 0.0 {
             // No tile is measured yet.
             return 1;
         }
-        let of_part = self.dearest.max(self.least) * self.last / f64::from(self.parts);
-        (LONGEST / DEAREST / of_part).clamp(1.0, f64::from(self.parts)) as u32
+        let of_part = self.most_expensive.max(self.least) * self.last / f64::from(self.parts);
+        (LONGEST / MOST_EXPENSIVE / of_part).clamp(1.0, f64::from(self.parts)) as u32
     }
 
     /// Returns the columns and rows of the next tile.
@@ -138,12 +136,13 @@ impl Tiles {
 
     /// Adjusts the size of the following tiles to the time of a finished piece \[ms\] of so many `pixels`.
     pub(super) fn took(&mut self, pixels: f64, milliseconds: f64) {
-        self.dearest = (milliseconds / pixels).max(FADING * self.dearest);
-        let fitting = LONGEST / self.dearest.max(self.least).max(1e-9);
+        self.most_expensive = (milliseconds / pixels).max(FADING * self.most_expensive);
+        let fitting = LONGEST / self.most_expensive.max(self.least).max(1e-9);
         self.pixels = match self.known {
-            Some(average) => fitting.min(LONGEST / (DEAREST * average).max(1e-9)),
-            // The next tile may be more expensive than the last.
-            None => fitting.min(2.0 * self.last),
+            Some(average) => {
+                fitting.min(LONGEST / (MOST_EXPENSIVE * average).max(1e-9)).min(KNOWN_GROWTH * self.last)
+            }
+            None => fitting.min(UNKNOWN_GROWTH * self.last),
         };
     }
 }
@@ -213,7 +212,15 @@ mod tests {
     }
 
     #[test]
-    fn background_beside_a_dear_mesh_makes_long_tiles_no_more_than_a_few_times() {
+    fn a_mesh_that_comes_into_view_makes_no_long_tile_after_a_cheap_picture() {
+        // The last picture was background alone.
+        let drawn = draw([640, 480], Some(1e-7), |_, _| 0.05);
+        let longest = drawn.iter().map(|t| t.1).fold(0.0, f64::max);
+        assert!(longest <= 2.0 * LONGEST, "{longest} ms");
+    }
+
+    #[test]
+    fn background_beside_an_expensive_mesh_makes_long_tiles_no_more_than_a_few_times() {
         // A pixel of the mesh takes 2 ms, so that only a tile of the smallest size fits.
         let cost = |x: u32, y: u32| if (300..600).contains(&x) && y > 40 { 2.0 } else { 1e-4 };
         let drawn = draw([1024, 160], None, cost);

@@ -83,7 +83,7 @@ impl Renderer {
     ) -> Result<PassTimes> {
         let start = Instant::now();
         let mut times = PassTimes::default();
-        self.image_input = None;
+        self.invalidate();
         let passes = self.shadings.bounded(all_lights(view.light_count(), Sampling::ONE.sample(0)));
         for (number, pass) in passes.iter().enumerate() {
             self.write(view, self.target.size(), pass)?;

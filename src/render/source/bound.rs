@@ -24,9 +24,6 @@ pub(super) struct Stages {
 pub struct BoundSource {
     /// Descriptor set of the pipelines.
     pub descriptors: Descriptors,
-    /// True if shading tests which pixels are covered, beyond the depth test: a long sum over wavelengths must not run
-    /// on the helper lanes of uncovered pixels, and averages read the neighbours.
-    pub asks_what_is_covered: bool,
     /// Variance of (u, v) of the specular order due to coherence, at the middle of the spectrum, if the source provides
     /// that order separately.
     pub specular_spread: Option<f32>,
@@ -63,7 +60,6 @@ impl BoundSource {
             (0..).zip(kinds).map(|(number, &kind)| Binding { number, kind, stages: visible }).collect();
         Ok(Self {
             descriptors: Descriptors::new(device, name, &bindings)?,
-            asks_what_is_covered: true,
             specular_spread: None,
             spectral: true,
             iterations: Iterations::default(),
@@ -113,11 +109,9 @@ impl BoundSource {
     /// Returns the constants of the shading stage, without those of the light.
     pub(in crate::render) fn shade_constants(&self) -> Vec<Constant> {
         /// Constants of `shade.frag`.
-        const MARKED: u32 = 0;
         const OWN_REFLECTANCE: u32 = 1;
         const NORMAL_OF_PIGMENT: u32 = 2;
         let stage_constants = [
-            Constant::new(MARKED, self.asks_what_is_covered),
             Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
             Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
         ];
