@@ -11,7 +11,7 @@ help:
 	@echo 'make setup   get what the above need; each of them does so by itself'
 	@echo 'make lint    formatting, clippy and rustdoc, warnings denied'
 	@echo 'make measure speed against accuracy on this machine, into docs/BENCHMARKS.md; ARGS=--check compares instead'
-	@echo 'make book    every command and picture of the book in docs/; as HTML in target/book where mdbook is installed'
+	@echo 'make book    commands and pictures of the book in docs/; as HTML in target/book where mdbook is installed'
 	@echo 'make release an archive for x86-64 Linux in target/archive, with completions, pages for man and licences'
 	@echo 'make clean   remove what was built'
 

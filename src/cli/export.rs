@@ -28,10 +28,10 @@ const FOOTPRINTS: (f64, f64) = (0.0, LARGEST_FOOTPRINT);
 /// Arguments of `export`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The folder holds the colour table of the surface (table.ktx2, and the same as table.exr), its functions of |w| (table.json),
-material.json with units, signs, settings, measured errors and check sums, and conformance.csv: 1000 directions with
-footprints, their exact colours and those of the table. A port of the reading function is tested by --check and --answers,
-a CSV file with the columns r, g and b, a row for each row of conformance.csv.
+    after_help = "The folder holds the colour table of the surface (table.ktx2, and the same as table.exr), its functions of |w| \
+(table.json), material.json with units, signs, settings, measured errors and check sums, and conformance.csv: 1000 \
+directions with footprints, their exact colours and those of the table. A port of the reading function is tested by \
+--check and --answers, a CSV file with the columns r, g and b, a row for each row of conformance.csv.
 
 Examples:
   diffract export elaphe -o skin --footprint 0.02 --tolerance 2e-2
@@ -49,8 +49,8 @@ pub struct Arguments {
     /// Page that shows the material in a browser with WebGL 2: one file of at most 10 MB, which loads nothing. It holds at most 6.7 MB of texels
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Mesh that the page shows beside its sphere, disc and plate: snake, cd, a mesh (.obj), or a scene file (.toml) whose first object it is. It
-    /// takes at most 5 of the 6.7 MB: about 300000 triangles
+    /// Mesh that the page shows beside its sphere, disc and plate: a built-in scene (snake, plate, sphere, disc, cd, skin), a mesh (.obj), or a
+    /// scene file (.toml), whose first object it is. It takes at most 5 of the 6.7 MB: about 300000 triangles
     #[arg(long, value_name = "SCENE", requires = "html")]
     mesh: Option<OsString>,
     /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table

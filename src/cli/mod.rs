@@ -85,7 +85,7 @@ enum Command {
     Export(export::Arguments),
     /// Peak angles against the grating equation
     Peaks(peaks::Arguments),
-    /// Frame times against the 5 to 15 fps target, and the limits of the device
+    /// Frame times, errors, and the limits of the device
     Profile(profile::Arguments),
     /// Speed against accuracy, measured: table, plot, advice
     Trade(trade::Arguments),

@@ -54,9 +54,11 @@ impl ValueEnum for Method {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let help = match self {
-            Self::Spectral => "Vulkan: sums wavelengths over precomputed spectra",
+            Self::Spectral => {
+                "Sums wavelengths: over the orders on the CPU for the mean, over precomputed spectra on the device for one window"
+            }
             Self::Table => "Vulkan: reads a colour table that the spectrum was summed into once",
-            Self::Reference => "The direct sum in 64-bit floats, on the CPU",
+            Self::Reference => "The mean, or the direct sum of windows, in 64-bit floats, on the CPU",
         };
         Some(PossibleValue::new(self.name()).help(help))
     }

@@ -25,15 +25,14 @@ const NM_PER_UM: f64 = 1e3;
 /// Arguments of `orders`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The surface goes on beyond the patch as copies of it. Orders are counted from the smallest period by
-which the heights repeat, m along x and n along y: (u, v) = (m wavelength/Tx, n wavelength/Ty), which
-is minus the sum of the directions to the light and to the viewer.
+    after_help = "The surface goes on beyond the patch as copies of it. Orders are counted from the smallest period by \
+which the heights repeat, m along x and n along y: (u, v) = (m wavelength/Tx, n wavelength/Ty), which is minus the sum of the directions to the light and to the viewer.
 
-The answer is CSV, a row for each order above the horizon: wavelength [nm]; m and n; theta_r and phi_r,
-its direction [degrees]; efficiency, the share of the incident light that it takes; reflectance, R at
-its half vector, which is a factor of the efficiency; period [nm] of the grating whose first order it
-is, 1/sqrt((m/Tx)^2 + (n/Ty)^2), empty for the specular order. Efficiencies are those of scalar theory;
-`surface info` says by how much they err. -v tells their sum.
+The answer is CSV, a row for each order above the horizon: wavelength [nm]; m and n; theta_r and phi_r, its \
+direction [degrees]; efficiency, the share of the incident light that it takes; reflectance, R at its half vector, \
+which is a factor of the efficiency; period [nm] of the grating whose first order it is, \
+1/sqrt((m/Tx)^2 + (n/Ty)^2), empty for the specular order. Efficiencies are those of scalar theory; `surface info` \
+says by how much they err. -v prints their sum.
 
 Examples:
   diffract orders blaze --light 30,0 --wavelength 550nm

@@ -34,7 +34,7 @@ use std::path::PathBuf;
 pub enum Command {
     /// Statistics of a height field, and the cost of its optics
     Info(Info),
-    /// Write a height field in another format, heights unchanged
+    /// Write a height field, prepared if asked, in another format
     Convert(convert::Convert),
     /// Write a generated height field to a file
     Synth(Synth),

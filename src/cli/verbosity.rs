@@ -16,7 +16,7 @@ static LEVEL: AtomicU8 = AtomicU8::new(NORMAL);
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Program")]
 pub struct Verbosity {
-    /// Print more on stderr: the coverage of a picture's pixels
+    /// Print more on stderr
     #[arg(short, long, global = true)]
     verbose: bool,
     /// Print nothing on stderr but errors

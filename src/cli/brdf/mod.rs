@@ -32,14 +32,14 @@ const MAX_SIDE: u32 = 16_384;
 /// Arguments of `brdf`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The map looks down on the surface: the disc is the hemisphere of view directions, x to the right, y up, the normal in
-the middle, the horizon at the rim. A mirror's spot stands opposite the light. Values are the BRDF [1/sr], without a
-cosine, as linear sRGB; several lights are summed, each times its intensity. --plot draws a figure with angles, a colour
+    after_help = "The map looks down on the surface: the disc is the hemisphere of view directions, x to the right, y up, the normal in \
+the middle, the horizon at the rim. A mirror's spot stands opposite the light. Values are the BRDF [1/sr], without a \
+cosine, as linear sRGB; several lights are summed, each times its intensity. --plot draws a figure with angles, a colour \
 bar and the settings: in colour and luminance, or at one wavelength in false colour.
 
-A .csv has a row for each direction, from the top of the map: x and y, the direction cosines of the
-viewer; theta_r and phi_r [degrees]; r, g and b, or brdf at one wavelength. A .npy has 32-bit floats: an
-array of N x N x 3, or of N x N at one wavelength, NaN outside the hemisphere. Element [j, i] is at
+A .csv has a row for each direction, from the top of the map: x and y, the direction cosines of the \
+viewer; theta_r and phi_r [degrees]; r, g and b, or brdf at one wavelength. A .npy has 32-bit floats: an array of \
+N x N x 3, or of N x N at one wavelength, NaN outside the hemisphere. Element [j, i] is at \
 x = 2(i + 0.5)/N - 1, y = 1 - 2(j + 0.5)/N.
 
 Examples:

@@ -37,14 +37,15 @@ const FEWEST_ANGLES: usize = 3;
 /// Arguments of `peaks`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Angles are in degrees from the normal toward the axis, for the light and for the viewer, so the mirror
-direction stands at minus theta-i. The answer is CSV: wavelength [nm], angle of the largest BRDF in the range [degrees],
-period d = m wavelength/|sin angle + sin theta-i| [nm], response [1/sr]. Cells stay empty where nothing is reflected or,
-in the mirror direction, every period fits. Where the largest response changes from one branch of maxima to another, each is
-followed over the wavelengths and has a period of its own, and a column `branch` tells which one is the largest. One order has the whole range of angles; of several, each has what is at most
-half an order away from where --period sends it, and a column `order`. The standard error over windows is that of the
-mean over the surface, by the jackknife over windows: over a few of them for --windows all, over those that are asked for
-with --windows NxM, which also tells the period of each window alone. --method reference --windows all has none.
+    after_help = "Angles are in degrees from the normal toward the axis, for the light and for the viewer, so the mirror \
+direction stands at minus theta-i. The answer is CSV: wavelength [nm], angle of the largest BRDF in the range [degrees], \
+period d = m wavelength/|sin angle + sin theta-i| [nm], response [1/sr]. Cells stay empty where nothing is reflected or, \
+in the mirror direction, every period fits. Where the largest response changes from one branch of maxima to another, each \
+is followed over the wavelengths and has a period of its own, and a column `branch` names the largest one. One order has \
+the whole range of angles; of several, each has what is at most half an order away from where --period sends it, and a \
+column `order`. The standard error over windows is that of the mean over the surface, by the jackknife over windows: over \
+a few of them for --windows all, over those that are asked for with --windows NxM, which also prints the period of each \
+window alone. --method reference --windows all has none.
 
 Examples:
   diffract peaks blaze --theta-i -75 --angles 38:57:0.01

@@ -1,4 +1,4 @@
-//! `diffract surface convert`: one format to another, without a change of heights.
+//! `diffract surface convert`: one format to another, after preparation if steps are given.
 
 use super::super::options::SurfaceOptions;
 use super::super::write;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(after_help = "Example:
   diffract surface convert scan.spm -o scan.gsf      heights are in metres in every format
-Samples that were not measured stay so (NaN). .gsf and .tif hold 32-bit floats, .npy, .txt and .x3p every digit.")]
+Samples that were not measured stay so (NaN). .gsf and .tif hold 32-bit floats, .gwy, .npy, .txt and .x3p every digit.")]
 pub struct Convert {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,

@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Print the most accurate setting that keeps this frame rate
     #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
     fps: Option<f64>,
-    /// Coherence of the light: gaussian:LENGTH or repeats:NxM
+    /// Coherence of the light: gaussian:LENGTH or grating:NxM
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     coherence: Coherence,
     /// Refractive index of the surface
