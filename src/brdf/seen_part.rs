@@ -51,12 +51,14 @@ impl SeenPart {
         Self { axes: (!all).then_some(axes) }
     }
 
-    /// Returns the fraction of an order at the frequency `order` \[µm⁻¹\], 0 to 1.
+    /// Returns the fraction of an order at the frequency `order` \[µm⁻¹\], 0 to 1: the product of those along x and y.
     pub fn share(&self, order: DVec2) -> f64 {
-        match &self.axes {
-            None => 1.0,
-            Some([x, y]) => x.share(order.x) * y.share(order.y),
-        }
+        self.share_along(0, order.x) * self.share_along(1, order.y)
+    }
+
+    /// Returns the fraction along x (`axis` 0) or y (1) of an order at the frequency `order` \[µm⁻¹\] on this axis.
+    pub fn share_along(&self, axis: usize, order: f64) -> f64 {
+        self.axes.as_ref().map_or(1.0, |axes| axes[axis].share(order))
     }
 }
 

@@ -18,7 +18,6 @@ use crate::spectra::power::{
 };
 use crate::surface::HeightField;
 use glam::{DVec2, DVec3, Vec4};
-use pulp::as_arrays;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -174,19 +173,31 @@ impl<'a> TabulatedMean<'a> {
         let points = DVec2::from_array(self.series.grid.patch) / DVec2::from_array(step);
         let reach = (spread.yy.sqrt() * CUT).max(NEAREST / points.y);
         let [first, last] = [((f.y - reach) * points.y).ceil(), ((f.y + reach) * points.y).floor()];
-        let mut sum = 0.0;
-        for row in first as i64..=last as i64 {
-            let y = row as f64 / points.y - f.y;
+        let columns_of = |y: f64| {
             let [left, right] = spread.row(y, NEAREST / points.x);
-            let columns = ((f.x + left) * points.x).ceil() as i64..=((f.x + right) * points.x).floor() as i64;
-            let from = DVec2::new(*columns.start() as f64 / points.x - f.x, y);
-            let count = (columns.end() - columns.start() + 1).max(0) as usize;
-            spread.densities(from, 1.0 / points.x, count, |k, weight| {
-                if let Some(series) = level.at(columns.start() + k as i64, row) {
-                    let place = f + from + DVec2::new(k as f64 / points.x, 0.0);
-                    sum += weight * seen.share(place) * f64::from(dot(series, t));
+            ((f.x + left) * points.x).ceil() as i64..((f.x + right) * points.x).floor() as i64 + 1
+        };
+        let rows: Vec<_> = (first as i64..=last as i64)
+            .map(|row| (row, row as f64 / points.y - f.y))
+            .map(|(row, y)| (row, y, columns_of(y)))
+            .filter(|(.., columns)| !columns.is_empty())
+            .collect();
+        let leftmost = rows.iter().map(|(.., columns)| columns.start).min().unwrap_or_default();
+        let rightmost = rows.iter().map(|(.., columns)| columns.end).max().unwrap_or_default();
+        let shares: Vec<f64> =
+            (leftmost..rightmost).map(|column| seen.share_along(0, column as f64 / points.x)).collect();
+        let mut sum = 0.0;
+        for (row, y, columns) in rows {
+            let Some(line) = level.row(row) else { continue };
+            let (mut of_row, mut line) = (0.0, line.points_from(columns.start));
+            let from = DVec2::new(columns.start as f64 / points.x - f.x, y);
+            let shares = &shares[(columns.start - leftmost) as usize..];
+            spread.densities(from, 1.0 / points.x, (columns.end - columns.start) as usize, |k, weight| {
+                if let Some(series) = line.next_point() {
+                    of_row += weight * shares[k] * f64::from(dot(series, t));
                 }
             });
+            sum += of_row * seen.share_along(1, f.y + y);
         }
         (sum * step[0] * step[1]).max(0.0)
     }
@@ -293,17 +304,21 @@ impl<'a> TabulatedMean<'a> {
 
 /// Returns Σ a b by eight partial sums, so that the loop uses vector registers. It is written as loops because a
 /// development build does not inline sums of iterators.
-fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let (a8, a) = as_arrays::<8, f32>(a);
-    let (b8, b) = as_arrays::<8, f32>(b);
+fn dot(mut a: &[f32], mut b: &[f32]) -> f32 {
     let mut sums = [Vec4::ZERO; 2];
-    for (&[a0, a1, a2, a3, a4, a5, a6, a7], &[b0, b1, b2, b3, b4, b5, b6, b7]) in a8.iter().zip(b8) {
+    while let (
+        &[a0, a1, a2, a3, a4, a5, a6, a7, ref a_left @ ..],
+        &[b0, b1, b2, b3, b4, b5, b6, b7, ref b_left @ ..],
+    ) = (a, b)
+    {
         sums[0] += Vec4::new(a0, a1, a2, a3) * Vec4::new(b0, b1, b2, b3);
         sums[1] += Vec4::new(a4, a5, a6, a7) * Vec4::new(b4, b5, b6, b7);
+        (a, b) = (a_left, b_left);
     }
     let mut sum = (sums[0] + sums[1]).element_sum();
-    for (a, b) in a.iter().zip(b) {
-        sum += a * b;
+    while let (&[first_a, ref a_left @ ..], &[first_b, ref b_left @ ..]) = (a, b) {
+        sum += first_a * first_b;
+        (a, b) = (a_left, b_left);
     }
     sum
 }

@@ -99,9 +99,59 @@ pub struct PyramidLevel<'a> {
 impl<'a> PyramidLevel<'a> {
     /// Returns the series of point (x, y); `None` beyond the ends.
     pub fn at(&self, x: i64, y: i64) -> Option<&'a [f32]> {
+        self.row(y)?.at(x)
+    }
+
+    /// Returns row `y`; `None` beyond the ends.
+    pub fn row(&self, y: i64) -> Option<PyramidRow<'a>> {
         let [columns, rows] = &self.grid.lines;
-        let begin = (rows.place(y)? * columns.size + columns.place(x)?) * self.terms;
+        let begin = rows.place(y)? * columns.size * self.terms;
+        let series = &self.series[begin..begin + columns.size * self.terms];
+        Some(PyramidRow { columns: *columns, terms: self.terms, series })
+    }
+}
+
+/// Row of points of a level.
+pub struct PyramidRow<'a> {
+    columns: GridLine,
+    terms: usize,
+    series: &'a [f32],
+}
+
+impl<'a> PyramidRow<'a> {
+    /// Returns the series of point `x`; `None` beyond the ends.
+    pub fn at(&self, x: i64) -> Option<&'a [f32]> {
+        let begin = self.columns.place(x)? * self.terms;
         Some(&self.series[begin..begin + self.terms])
+    }
+
+    /// Returns the points from `first` on.
+    pub fn points_from(&self, first: i64) -> PyramidPoints<'a> {
+        let Self { columns, terms, series } = *self;
+        PyramidPoints { columns, terms, series, number: first, place: columns.place(first) }
+    }
+}
+
+/// Points of a row, one after the other.
+pub struct PyramidPoints<'a> {
+    columns: GridLine,
+    terms: usize,
+    series: &'a [f32],
+    number: i64,
+    place: Option<usize>,
+}
+
+impl<'a> PyramidPoints<'a> {
+    /// Returns the series of the next point; `None` beyond the ends, between which more points may follow.
+    pub fn next_point(&mut self) -> Option<&'a [f32]> {
+        let place = self.place;
+        self.number += 1;
+        // Only a step into the line, or over its end, needs a division.
+        self.place = match place {
+            Some(place) if place + 1 < self.columns.size => Some(place + 1),
+            _ => self.columns.place(self.number),
+        };
+        place.map(|place| &self.series[place * self.terms..(place + 1) * self.terms])
     }
 }
 
