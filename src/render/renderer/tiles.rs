@@ -13,6 +13,8 @@ const FADING: f64 = 0.995;
 /// Least time of a loop iteration on a software device \[ms\]: a fraction of the usual time, because few pixels reach
 /// the maximum of iterations.
 const ITERATION_TIME: f64 = 1e-6;
+/// Pixels of the first tile of a picture like the last, which may have shown less of the mesh.
+const FIRST_KNOWN: u32 = 256;
 /// Largest ratio of the pixels of a tile to those of the tile before, because the next tile may be more expensive: in a
 /// picture of unknown cost, and in one like the last.
 const UNKNOWN_GROWTH: f64 = 2.0;
@@ -76,8 +78,7 @@ impl Tiles {
             corner: [0; 2],
             begun: None,
             drawn: 0.0,
-            // The last picture may have shown less of the mesh.
-            pixels: f64::from(STEP * STEP),
+            pixels: f64::from(if known.is_some() { FIRST_KNOWN } else { STEP * STEP }),
             last: 0.0,
             known,
             most_expensive: 0.0,
