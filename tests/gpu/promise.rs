@@ -18,7 +18,7 @@ use diffract::surface::HeightField;
 /// Surfaces times settings.
 const COMBINATIONS: usize = 210;
 /// Directions and wavelengths of each.
-const DIRECTIONS: usize = 400;
+const DIRECTIONS: usize = 100;
 
 /// A periodic surface of a few random waves, smooth, stepped or rough, on a grid of random sides and spacings.
 fn surface(uniform: &mut impl FnMut() -> f64, largest_height: f64) -> HeightField {
