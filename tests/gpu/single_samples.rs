@@ -159,10 +159,12 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
     let size = [24, 18];
     with_device(|device| {
         let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, size).unwrap();
-        let sample = Sampling::ONE.sample(0);
+        // Measurements draw all parts of all pixels in one submission.
+        let mut timed = new(&source);
+        let watch = timed.stopwatch().unwrap();
+        timed.time(&watch, &view, SHOWN.exposure, SHOWN.background).unwrap();
+        let whole = timed.read_back().unwrap();
         let mut renderer = new(&source);
-        renderer.draw_sample(&view, &sample, SHOWN).unwrap();
-        let whole = renderer.read_back().unwrap();
         let mut pieces = Vec::new();
         let mut next = |drawn: f64| {
             pieces.push(drawn);
