@@ -327,6 +327,8 @@ mod tests {
             "sphere",
             "sphere:0:0,0,1",
             "sphere:-1:0,0,1",
+            "sphere:1e-160:0,0,1",
+            "rectangle:1e-170x1:0,0,1",
             "sphere:1:0,0",
             "sphere:1:0,0,1,0",
             "sphere:1:0,0,1,2,3",

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Largest size of the pipelines of a device \[bytes\]: a small part of the cache's default limit.
 const LARGEST: u64 = 64 << 20;
-/// Part of a smaller cache that they may fill.
+/// Least ratio of the cache's limit to the size of the pipelines, so that a small cache still has room for colour tables.
 const SHARE: u64 = 8;
 
 /// Compiled pipelines of a device and its driver.

@@ -8,6 +8,7 @@ use diffract::optics::coherence::Windows;
 use diffract::render::evaluator::Evaluator;
 use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
+use diffract::render::renderer::Renderer;
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::settings::{Method, Optics};
@@ -149,6 +150,22 @@ fn without_color_source(mut event: RecordedEvent) -> RecordedEvent {
     event
 }
 
+/// The events of `draw` with a renderer of `scene` that casts shadows and reads a colour table.
+fn recorded_pictures(
+    device: &Arc<Device>,
+    scene: &Scene,
+    draw: impl FnOnce(&mut Renderer),
+) -> Vec<RecordedEvent> {
+    let (field, sizes) = (patch(SurfaceKind::Bumps, 2.0), FootprintSizes { shorter: 1e-2, longer: 1e-2 });
+    let source = source(device, &field, &mean(), Method::Table, sizes);
+    recorded(device, || {
+        let mesh = (&scene.main_object().mesh, &Pigment::white());
+        let mut renderer =
+            crate::renderer_with(device, &source, &mean(), mesh, SIZE, crate::shadows(true)).unwrap();
+        draw(&mut renderer);
+    })
+}
+
 #[test]
 fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
     let scene = Scene::open("sphere").unwrap();
@@ -156,14 +173,8 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
     let mut view = View::of(&scene, vec![lamp]);
     view.environment = Some(Environment::open("studio").unwrap());
     view.shows_surroundings = true;
-    let field = patch(SurfaceKind::Bumps, 2.0);
     with_device(|device| {
-        let source =
-            source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
-        let events = recorded(device, || {
-            let mesh = (&scene.main_object().mesh, &Pigment::white());
-            let mut renderer =
-                crate::renderer_with(device, &source, &mean(), mesh, SIZE, crate::shadows(true)).unwrap();
+        let events = recorded_pictures(device, &scene, |renderer| {
             renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
             renderer.render(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
             renderer.display(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
@@ -184,14 +195,8 @@ fn a_depth_map_is_drawn_where_its_light_has_moved() {
     let scene = Scene::open("sphere").unwrap();
     let mut view = view(&scene, 1);
     view.environment = Some(Environment::open("sky").unwrap());
-    let field = patch(SurfaceKind::Bumps, 2.0);
     with_device(|device| {
-        let source =
-            source(device, &field, &mean(), Method::Table, FootprintSizes { shorter: 1e-2, longer: 1e-2 });
-        let events = recorded(device, || {
-            let mesh = (&scene.main_object().mesh, &Pigment::white());
-            let mut renderer =
-                crate::renderer_with(device, &source, &mean(), mesh, SIZE, crate::shadows(true)).unwrap();
+        let events = recorded_pictures(device, &scene, |renderer| {
             renderer.render(&view, &Sampling { count: 16, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
         });
         let maps: Vec<Resource> = events

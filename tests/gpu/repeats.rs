@@ -23,7 +23,7 @@ use diffract::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;
 
-const SIZE: [u32; 2] = [32, 24];
+const SIZE: [u32; 2] = [64, 48];
 
 fn optics(copies: [u32; 2], tolerance: f64) -> Optics {
     let coherence = Coherence::Repeats(copies);

@@ -15,9 +15,10 @@ const FADING: f64 = 0.995;
 const ITERATION_TIME: f64 = 1e-6;
 /// Pixels of the first tile of a picture like the last, which may have shown less of the mesh.
 const FIRST_KNOWN: u32 = 256;
-/// Largest ratio of the pixels of a tile to those of the tile before, because the next tile may be more expensive: in a
-/// picture of unknown cost, and in one like the last.
+/// Largest ratio of the pixels of a tile to those of the tile before in a picture of unknown cost: the next tile may be more
+/// expensive.
 const UNKNOWN_GROWTH: f64 = 2.0;
+/// The same in a picture like the last.
 const KNOWN_GROWTH: f64 = 4.0;
 /// Assumed ratio of the most expensive part of a picture to its average.
 const MOST_EXPENSIVE: f64 = 4.0;

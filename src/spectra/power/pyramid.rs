@@ -112,6 +112,7 @@ impl<'a> PyramidLevel<'a> {
 }
 
 /// Row of points of a level.
+#[derive(Clone, Copy)]
 pub struct PyramidRow<'a> {
     columns: GridLine,
     terms: usize,
@@ -121,37 +122,39 @@ pub struct PyramidRow<'a> {
 impl<'a> PyramidRow<'a> {
     /// Returns the series of point `x`; `None` beyond the ends.
     pub fn at(&self, x: i64) -> Option<&'a [f32]> {
-        let begin = self.columns.place(x)? * self.terms;
-        Some(&self.series[begin..begin + self.terms])
+        self.columns.place(x).map(|place| self.series_of(place))
     }
 
     /// Returns the points from `first` on.
-    pub fn points_from(&self, first: i64) -> PyramidPoints<'a> {
-        let Self { columns, terms, series } = *self;
-        PyramidPoints { columns, terms, series, number: first, place: columns.place(first) }
+    pub fn points_from(self, first: i64) -> PyramidPoints<'a> {
+        PyramidPoints { row: self, number: first, place: self.columns.place(first) }
+    }
+
+    /// Returns the series at this index of the row.
+    fn series_of(&self, place: usize) -> &'a [f32] {
+        &self.series[place * self.terms..(place + 1) * self.terms]
     }
 }
 
 /// Points of a row, one after the other.
 pub struct PyramidPoints<'a> {
-    columns: GridLine,
-    terms: usize,
-    series: &'a [f32],
+    row: PyramidRow<'a>,
+    /// Number of the next point, and its index in the row.
     number: i64,
     place: Option<usize>,
 }
 
 impl<'a> PyramidPoints<'a> {
-    /// Returns the series of the next point; `None` beyond the ends, between which more points may follow.
+    /// Returns the series of the next point; `None` if it is beyond the ends.
     pub fn next_point(&mut self) -> Option<&'a [f32]> {
         let place = self.place;
         self.number += 1;
         // Only a step into the line, or over its end, needs a division.
         self.place = match place {
-            Some(place) if place + 1 < self.columns.size => Some(place + 1),
-            _ => self.columns.place(self.number),
+            Some(place) if place + 1 < self.row.columns.size => Some(place + 1),
+            _ => self.row.columns.place(self.number),
         };
-        place.map(|place| &self.series[place * self.terms..(place + 1) * self.terms])
+        place.map(|place| self.row.series_of(place))
     }
 }
 
