@@ -409,4 +409,21 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn averages_that_reach_beyond_the_horizon_along_x_or_y_are_the_direct_sum() {
+        let field = rough();
+        let mean = MeanBrdf { field: &field, sigma: 2.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
+        let table = TabulatedMean::new(mean.clone(), 0.38, &|_, _| Ok(())).unwrap();
+        let (footprint, q) = (Covariance { uu: 0.02, uv: 0.005, vv: 0.03 }, 1.0 / 0.55);
+        for uvw in [DVec3::new(1.75, 0.3, -0.8), DVec3::new(0.2, -1.8, -0.7), DVec3::new(1.4, 1.3, -0.5)] {
+            let f = -uvw.truncate() * q;
+            let seen = SeenPart::new(f, &Spread::new(mean.blur(), &footprint, q), &footprint, q);
+            let beyond = seen.share(1.6 * f);
+            assert!(beyond < 0.5, "the horizon leaves {beyond} of an order beyond it");
+            let (direct, fast) = (mean.power(uvw, q, &footprint), table.power(uvw, q, &footprint));
+            // As in the test above.
+            assert!((fast - direct).abs() <= 1e-5 * direct + 1e-9, "{uvw}: {fast} {direct}");
+        }
+    }
 }

@@ -188,10 +188,17 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
     let shown = Shown { exposure: -1.0, tone: Tone::Neutral, background: DVec3::ZERO };
     with_device(|device| {
         let mut renderer = crate::renderer_of(device, &scene, &source, &optics, size).unwrap();
+        let mut one_sample = None;
         for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
             let picture = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
             let expected = displayed_of(&view, size, &picture.radiance, shown);
+            // However many samples the foreground has, the background is seen at the pixel centres.
+            let first = one_sample.get_or_insert_with(|| picture.clone());
+            let pixels =
+                picture.radiance.iter().zip(&picture.display).zip(first.radiance.iter().zip(&first.display));
+            let uncovered = pixels.filter(|((one, _), (other, _))| one[3] == 0.0 && other[3] == 0.0);
+            assert!(uncovered.map(|((_, one), (_, other))| (one, other)).all(|(one, other)| one == other));
             let (mut apart, mut behind) = (0, 0);
             // Covered by less than a whole sample, and of those the ones that are apart.
             let mut thin = [0, 0];
