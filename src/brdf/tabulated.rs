@@ -422,7 +422,7 @@ mod tests {
             let beyond = seen.share(1.6 * f);
             assert!(beyond < 0.5, "the horizon leaves {beyond} of an order beyond it");
             let (direct, fast) = (mean.power(uvw, q, &footprint), table.power(uvw, q, &footprint));
-            // As in the test above.
+            // Relative to the mean density of power, 1 over the band, where the value itself is smaller.
             assert!((fast - direct).abs() <= 1e-5 * direct + 1e-9, "{uvw}: {fast} {direct}");
         }
     }
