@@ -228,15 +228,21 @@ impl Environment {
         Arc::ptr_eq(&self.picture, &other.picture)
     }
 
-    /// Returns the radiance from the unit vector `toward`, linear sRGB: that of the nearest pixel.
+    /// Returns the radiance from the unit vector `toward`, linear sRGB, interpolated linearly between the pixels' centres.
     pub fn radiance(&self, toward: DVec3) -> DVec3 {
         let picture = &*self.picture;
         let azimuth = toward.y.atan2(toward.x) - self.placement.rotation.to_radians();
-        let across = ((PI - azimuth) / TAU).rem_euclid(1.0);
-        let down = toward.z.clamp(-1.0, 1.0).acos() / PI;
-        let at = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
-        let pixel = at(down, picture.height) * picture.width + at(across, picture.width);
-        picture.radiance[pixel].as_dvec3() * self.placement.exposure.exp2()
+        let across = ((PI - azimuth) / TAU).rem_euclid(1.0) * picture.width as f64 - 0.5;
+        let down = toward.z.clamp(-1.0, 1.0).acos() / PI * picture.height as f64 - 0.5;
+        let [left, top] = [across.floor(), down.floor()];
+        // A row continues at its other end; the first and the last row end at the poles.
+        let column = |i: f64| i.rem_euclid(picture.width as f64) as usize % picture.width;
+        let row = |i: f64| i.clamp(0.0, picture.height as f64 - 1.0) as usize;
+        let between = |i: f64| {
+            let pixels = &picture.radiance[row(i) * picture.width..];
+            pixels[column(left)].as_dvec3().lerp(pixels[column(left + 1.0)].as_dvec3(), across - left)
+        };
+        between(top).lerp(between(top + 1.0), down - top) * self.placement.exposure.exp2()
     }
 
     /// Returns the irradiance over π of a surface that faces `normal`, linear sRGB.
@@ -473,6 +479,23 @@ mod tests {
                     let exact = environment.irradiance(normal);
                     assert!((found - exact).length() < 0.01 * exact.length(), "{name}: {found} {exact}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn radiance_is_continuous_between_pixels_across_the_seam_and_at_the_poles() {
+        const WAVES: f64 = 30.0;
+        let waves = |d: DVec3| (WAVES * d).map(f64::sin);
+        let mut environment = Environment::of(&|d| waves(d).as_vec3());
+        environment.placement.rotation = 70.0;
+        // Interpolation between pixels that are an angle t apart leaves an error of (k t)²/8, along a row and across rows.
+        let limit = 2.0 * (WAVES * TAU / WIDTH as f64).powi(2) / 8.0;
+        for [x, y] in points(64) {
+            for azimuth in [360.0 * x, 179.0 + 2.0 * x] {
+                let toward = |turn: f64| crate::optics::geometry::direction(180.0 * y, azimuth + turn);
+                let error = environment.radiance(toward(70.0)) - waves(toward(0.0));
+                assert!(error.abs().max_element() < limit, "{}: {error}", toward(0.0));
             }
         }
     }
