@@ -8,7 +8,7 @@ const LONGEST: f64 = 15.0;
 /// device.
 const STEP: u32 = 4;
 /// Decay of the weight of former tiles, per tile: some hundred tiles of background, as between two rows of a mesh, matter
-/// little, and an outlier is soon forgotten.
+/// little.
 const FADING: f64 = 0.995;
 /// Least time of a loop iteration on a software device \[ms\]: a fraction of the usual time, because few pixels reach
 /// the maximum of iterations.
@@ -62,8 +62,13 @@ pub(super) struct Tiles {
     last: f64,
     // Mean milliseconds per pixel, if known from the last picture.
     known: Option<f64>,
-    // Decaying maximum of the milliseconds per pixel of the last tiles.
-    most_expensive: f64,
+    // The two largest of the decaying milliseconds per pixel of former tiles, without the time of a submission. The
+    // largest may be an outlier: a software device compiles a shader while it draws the first tile.
+    most_expensive: [f64; 2],
+    // Milliseconds per pixel of the last tile.
+    latest: f64,
+    // Milliseconds of the shortest piece: an upper bound of the time of a submission without pixels.
+    shortest: f64,
     // Lower bound of the milliseconds per pixel until tiles are measured.
     least: f64,
 }
@@ -82,7 +87,9 @@ impl Tiles {
             pixels: f64::from(if known.is_some() { FIRST_KNOWN } else { STEP * STEP }),
             last: 0.0,
             known,
-            most_expensive: 0.0,
+            most_expensive: [0.0; 2],
+            latest: 0.0,
+            shortest: f64::INFINITY,
             least,
         }
     }
@@ -110,11 +117,11 @@ impl Tiles {
     /// Returns the number of parts of a tile to draw together: few enough to meet the target time even if the tile is
     /// more expensive than the last ones.
     fn parts_together(&self) -> u32 {
-        if self.most_expensive == 0.0 {
+        if self.latest == 0.0 {
             // No tile is measured yet.
             return 1;
         }
-        let of_part = self.most_expensive.max(self.least) * self.last / f64::from(self.parts);
+        let of_part = self.expected() * self.last / f64::from(self.parts);
         (LONGEST / MOST_EXPENSIVE / of_part).clamp(1.0, f64::from(self.parts)) as u32
     }
 
@@ -136,10 +143,19 @@ impl Tiles {
         Some([left..right, top..bottom])
     }
 
+    /// Returns the milliseconds per pixel to expect of the next tile.
+    fn expected(&self) -> f64 {
+        self.most_expensive[1].max(self.latest).max(self.least).max(1e-9)
+    }
+
     /// Adjusts the size of the following tiles to the time of a finished piece \[ms\] of so many `pixels`.
     pub(super) fn took(&mut self, pixels: f64, milliseconds: f64) {
-        self.most_expensive = (milliseconds / pixels).max(FADING * self.most_expensive);
-        let fitting = LONGEST / self.most_expensive.max(self.least).max(1e-9);
+        self.latest = milliseconds / pixels;
+        self.shortest = self.shortest.min(milliseconds);
+        let of_pixel = (milliseconds - self.shortest) / pixels;
+        let [first, second] = self.most_expensive.map(|former| FADING * former);
+        self.most_expensive = [first.max(of_pixel), second.max(first.min(of_pixel))];
+        let fitting = LONGEST / self.expected();
         self.pixels = match self.known {
             Some(average) => {
                 fitting.min(LONGEST / (MOST_EXPENSIVE * average).max(1e-9)).min(KNOWN_GROWTH * self.last)
@@ -237,6 +253,25 @@ mod tests {
             let pixels = columns.len() * rows.len();
             assert!(pixels <= 400, "{pixels} pixels");
             tiles.took(pixels as f64, 1e-4 * pixels as f64);
+        }
+    }
+
+    #[test]
+    fn tiles_grow_soon_after_one_that_compiles_a_shader() {
+        for known in [None, Some(0.01)] {
+            let mut tiles = Tiles::new([640, 480], known, 0, 1);
+            let (mut count, mut before) = (0, None);
+            while let Some(Piece { pixels, .. }) = tiles.next_piece() {
+                // A submission takes a millisecond.
+                let time = 0.01 * pixels + if count == 0 { 3000.0 } else { 1.0 };
+                if let Some((pixels, time)) = before.replace((pixels, time)) {
+                    tiles.took(pixels, time);
+                }
+                count += 1;
+            }
+            // A tile of 15 ms has at most 1500 pixels, a quarter of that where the picture is known to take 0.01 ms a pixel.
+            let least = if known.is_some() { 4 } else { 1 } * 640 * 480 / 1500;
+            assert!(count < 2 * least, "{known:?}: {count} tiles, {least} at least");
         }
     }
 
