@@ -236,13 +236,13 @@ impl Environment {
         let down = toward.z.clamp(-1.0, 1.0).acos() / PI * picture.height as f64 - 0.5;
         let [left, top] = [across.floor(), down.floor()];
         // A row continues at its other end; the first and the last row end at the poles.
-        let column = |i: f64| i.rem_euclid(picture.width as f64) as usize % picture.width;
+        let column = |i: f64| i.rem_euclid(picture.width as f64) as usize;
         let row = |i: f64| i.clamp(0.0, picture.height as f64 - 1.0) as usize;
-        let between = |i: f64| {
+        let along = |i: f64| {
             let pixels = &picture.radiance[row(i) * picture.width..];
             pixels[column(left)].as_dvec3().lerp(pixels[column(left + 1.0)].as_dvec3(), across - left)
         };
-        between(top).lerp(between(top + 1.0), down - top) * self.placement.exposure.exp2()
+        along(top).lerp(along(top + 1.0), down - top) * self.placement.exposure.exp2()
     }
 
     /// Returns the irradiance over π of a surface that faces `normal`, linear sRGB.

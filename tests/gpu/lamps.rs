@@ -203,7 +203,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
                 one.iter().zip(other).map(|(one, other)| one.abs_diff(*other))
             });
             let moved = differences.max().unwrap();
-            // A code is rounded from directions that differ in their last bits.
+            // Directions differ in their last bits, and codes are rounded.
             assert!(moved <= 1, "{count} samples: the background differs by {moved} codes");
             let (mut apart, mut behind) = (0, 0);
             // Covered by less than a whole sample, and of those the ones that are apart.
@@ -211,7 +211,8 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             for ((radiance, found), expected) in picture.radiance.iter().zip(&picture.display).zip(&expected)
             {
                 behind += usize::from(radiance[3] == 0.0 && found[..3] != [0, 0, 0]);
-                let is_apart = found.iter().zip(expected).any(|(a, b)| a.abs_diff(*b) > 3);
+                // The device has 32-bit floats, and codes are rounded.
+                let is_apart = found.iter().zip(expected).any(|(a, b)| a.abs_diff(*b) > 1);
                 apart += usize::from(is_apart);
                 if radiance[3] > 0.0 && radiance[3] * (count as f32) < 1.0 {
                     thin = [thin[0] + 1, thin[1] + usize::from(is_apart)];
