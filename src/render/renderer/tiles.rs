@@ -63,7 +63,8 @@ pub(super) struct Tiles {
     // Mean milliseconds per pixel, if known from the last picture.
     known: Option<f64>,
     // The two largest of the decaying milliseconds per pixel of former tiles, without the time of a submission. The
-    // largest may be an outlier: a software device compiles a shader while it draws the first tile.
+    // largest may be an outlier: the device does other work, or compiles a shader. Six windows that open at once need 1.2
+    // to 1.5 times the processor time if it counts.
     most_expensive: [f64; 2],
     // Milliseconds per pixel of the last tile.
     latest: f64,
@@ -257,13 +258,13 @@ mod tests {
     }
 
     #[test]
-    fn tiles_grow_soon_after_one_that_compiles_a_shader() {
-        for known in [None, Some(0.01)] {
+    fn tiles_grow_soon_after_one_that_compiles_a_shader_or_waits_for_other_work() {
+        for (known, slow) in [(None, 0), (Some(0.01), 0), (None, 3), (Some(0.01), 3)] {
             let mut tiles = Tiles::new([640, 480], known, 0, 1);
             let (mut count, mut before) = (0, None);
             while let Some(Piece { pixels, .. }) = tiles.next_piece() {
                 // A submission takes a millisecond.
-                let time = 0.01 * pixels + if count == 0 { 3000.0 } else { 1.0 };
+                let time = 0.01 * pixels + if count == slow { 3000.0 } else { 1.0 };
                 if let Some((pixels, time)) = before.replace((pixels, time)) {
                     tiles.took(pixels, time);
                 }
@@ -271,7 +272,7 @@ mod tests {
             }
             // A tile of 15 ms has at most 1500 pixels, a quarter of that where the picture is known to take 0.01 ms a pixel.
             let least = if known.is_some() { 4 } else { 1 } * 640 * 480 / 1500;
-            assert!(count < 2 * least, "{known:?}: {count} tiles, {least} at least");
+            assert!(count < 2 * least, "{known:?}, slow piece {slow}: {count} tiles, {least} at least");
         }
     }
 
