@@ -20,6 +20,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+import small_slope
 from exported import LARGEST_W, TO_SRGB, Export, ExportError
 from footprint import Covariance, rows
 from lobes import Lobes
@@ -49,11 +50,13 @@ class Diffract(mi.BSDF):
         self.texels = buffer(np.concatenate([level.ravel() for level in export.levels]))
         starts = np.cumsum([0] + [level.size // 4 for level in export.levels[:-1]])
         self.starts = mi.TensorXu(starts.astype(np.uint32)).array
-        self.cubics = buffer(np.einsum("ij,pcjk->pcik", TO_SRGB, export.cubics))
+        self.cubics = buffer(export.cubics)
         specular = np.zeros((*export.specular.shape[:2], 4))
-        specular[..., :3] = export.specular @ TO_SRGB.T
+        specular[..., :3] = export.specular
         self.specular_weights = buffer(specular)
-        self.mean = buffer(export.mean)
+        self.variances = buffer(export.variances)
+        self.mean = None if export.mean is None else buffer(export.mean)
+        self.energy = None if export.energy is None else buffer(export.energy)
         self.lobes = Lobes(export, self.least, max(self.base_color))
         flags = mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.Anisotropic | mi.BSDFFlags.FrontSide
         self.m_components = [flags]
@@ -69,14 +72,17 @@ class Diffract(mi.BSDF):
         return dr.lerp(dr.gather(kind, samples, index, active), dr.gather(kind, samples, index + 1, active), at - left)
 
     def specular(self, p, w, covariance, active):
-        """Returns the specular order: a Gaussian of (u, v) for each band of wavelengths."""
+        """Returns XYZ of the specular order: a Gaussian of (u, v) for each band of wavelengths."""
         bands, count = self.export.specular.shape[:2]
-        rgb = mi.Color3f(0)
-        for band in range(bands):
+        variances = self.variances
+
+        def add(band, sum):
             weight = self.between(mi.Vector4f, self.specular_weights, band, count, w / LARGEST_W, active)
-            density = covariance.widened(float(self.export.variances[band])).density(p)
-            rgb += density * mi.Color3f(weight.x, weight.y, weight.z)
-        return rgb
+            density = covariance.widened(dr.gather(mi.Float, variances, band, active)).density(p)
+            return band + 1, sum + density * mi.Vector3f(weight.x, weight.y, weight.z)
+
+        _, xyz = dr.while_loop((mi.UInt32(0), dr.zeros(mi.Vector3f)), lambda band, _: active & (band < bands), add)
+        return xyz
 
     def texel(self, start, side, column, row, active):
         """Returns the four numbers of a texel, 0 outside of the table."""
@@ -103,7 +109,7 @@ class Diffract(mi.BSDF):
         return result
 
     def scattered(self, p, w, covariance, active):
-        """Returns linear sRGB of all orders but the specular one, over w^2."""
+        """Returns XYZ of all orders but the specular one, over w^2."""
         place = w * (self.export.pieces / LARGEST_W)
         number = dr.minimum(dr.floor(place), self.export.pieces - 1)
         piece, t = mi.UInt32(number), 2 * (place - number) - 1
@@ -123,25 +129,54 @@ class Diffract(mi.BSDF):
             more = lambda n, *_, row=row, used=used: used & (n < 0.5 * row.line.count)
             _, *sums = dr.while_loop((-0.5 * (row.line.count - 1), *sums), more, add)
         powers = mi.Vector4f(1, t, t * t, t * t * t)
-        rgb = [0, 0, 0]
+        xyz = [0, 0, 0]
         for component in range(self.export.components):
             number = sums[component // 4][component % 4]
             first = (piece * self.export.components + component) * 3
             for i in range(3):
-                rgb[i] += number * dr.dot(dr.gather(mi.Vector4f, self.cubics, first + i, active), powers)
-        return mi.Color3f(*rgb)
+                xyz[i] += number * dr.dot(dr.gather(mi.Vector4f, self.cubics, first + i, active), powers)
+        return mi.Vector3f(*xyz)
+
+    def reflectance(self, both, active):
+        """Returns the mean reflectance at the half vector, by Stam's theory. `both`: light + viewer."""
+        return self.between(mi.Float, self.mean, 0, len(self.export.mean), 0.5 * dr.norm(both), active)
+
+    def factors(self, light, viewer, active):
+        """Returns the factors of X, Y and Z in f cos(theta_light), times w^2."""
+        if self.export.indices is not None:
+            of_index = lambda index: small_slope.on_device(index, light, viewer, self.export.polarisation)
+            return mi.Vector3f(*map(of_index, self.export.indices)) * (4 * light.z * light.z * viewer.z)
+        both = light + viewer
+        half2 = 0.5 * dr.squared_norm(both)  # 1 + light . viewer
+        return mi.Vector3f(self.reflectance(both, active) * half2 * half2 / dr.maximum(viewer.z, HORIZON))
+
+    def energy_at(self, direction, active):
+        """Returns the directional albedo over the reflectance of a flat surface, and the root of the factor of a pigment."""
+        side = self.export.energy.shape[0]
+        z = dr.maximum(direction.z, 0)
+        at = 0.5 + 0.5 * mi.Vector2f(direction.x, direction.y) * dr.rsqrt((1 + dr.sqrt(z)) * (1 + z))
+        at = dr.clip(at, 0, 1) * (side - 1)
+        low = dr.minimum(dr.floor(at), side - 2)
+        share, first = at - low, mi.UInt32(low.y) * side + mi.UInt32(low.x)
+        point = lambda number: dr.gather(mi.Vector2f, self.energy, first + number, active)
+        return dr.lerp(dr.lerp(point(0), point(1), share.x), dr.lerp(point(side), point(side + 1), share.x), share.y)
 
     def rgb(self, light, viewer, covariance, active=True):
         """Returns linear sRGB of f cos(theta_light) [1/sr] for unit vectors in the frame of the height field, averaged over a footprint."""
         active = mi.Mask(active) & (light.z > HORIZON) & (viewer.z > HORIZON)
         both = light + viewer
         p, w = mi.Vector2f(both.x, both.y), dr.maximum(both.z, HORIZON)
-        half2 = 0.5 * dr.squared_norm(both)  # 1 + light . viewer
-        reflectance = self.between(mi.Float, self.mean, 0, len(self.export.mean), dr.sqrt(0.5 * half2), active)
-        factor = reflectance * half2 * half2 / (dr.maximum(viewer.z, HORIZON) * w * w)
         diffracted = self.scattered(p, w, covariance, active) * (w * w) + self.specular(p, w, covariance, active)
-        pigment = mi.Color3f(self.base_color) * ((1 - reflectance) * light.z * dr.inv_pi)
-        return dr.select(active, diffracted * factor + pigment, 0)
+        xyz = diffracted * self.factors(light, viewer, active) / (w * w)
+        if self.energy is None:
+            passed = 1 - self.reflectance(both, active)
+        else:
+            of_light, of_viewer = self.energy_at(light, active), self.energy_at(viewer, active)
+            # No surface reflects more than a flat one.
+            xyz /= dr.maximum(1, dr.maximum(of_light.x, of_viewer.x))
+            passed = 0 if self.export.hides_pigment() else of_light.y * of_viewer.y
+        pigment = mi.Color3f(self.base_color) * (passed * light.z * dr.inv_pi)
+        return dr.select(active, mi.Color3f(mi.Matrix3f(TO_SRGB) @ xyz) + pigment, 0)
 
     # ------------------------------------------------------------------------------------------------ frames and footprints
 

@@ -1,6 +1,7 @@
 """Reads a folder that `diffract export` wrote into NumPy arrays. docs/EXPORT.md explains its files."""
 
 import json
+import math
 import struct
 from pathlib import Path
 
@@ -15,9 +16,11 @@ TO_SRGB = np.array(
         (0.055630079696994, -0.203976958888977, 1.056971514242879),
     ]
 )
-FORMAT, VERSION = "diffract-material", 1
+FORMAT, VERSIONS = "diffract-material", (1, 2)
 # Format of table.ktx2: VK_FORMAT_R16G16B16A16_SFLOAT.
 HALVES = 97
+# A material hides the pigment below if light is darker than 1/e at this depth [um], by k at this wavelength [um].
+OPAQUE_WITHIN, MIDDLE = 10.0, 0.557
 
 
 class ExportError(Exception):
@@ -28,7 +31,11 @@ class Export:
     """Material in a folder.
 
     levels: arrays of texels, [layer][row][column][4], the finest first. cubics: [piece][component][XYZ][power of t], in 1/sr. specular: [band][sample of
-    |w|][XYZ]. variances: of u, for each band. mean: the mean reflectance over the cosine at the half vector.
+    |w|][XYZ]. variances: of u, for each band.
+
+    By Stam's theory, mean: the mean reflectance over the cosine at the half vector. By the small-slope approximation, indices: n + ik for X, Y and Z;
+    polarisation: of the light; energy: the limit of energy over directions, [row along y][column along x][2]: the directional albedo over the reflectance of a
+    flat surface, and the root of the factor of a pigment. What the other theory has is None.
     """
 
     def __init__(self, folder):
@@ -36,8 +43,9 @@ class Export:
         about = self.json("material.json")
         if about.get("format") != FORMAT:
             raise ExportError(f"{folder} is no export; make one: diffract export SURFACE -o {folder}")
-        if about.get("version") != VERSION:
-            raise ExportError(f"{folder} has version {about.get('version')} of the format, {VERSION} is known here; export the material again")
+        if about.get("version") not in VERSIONS:
+            known = " and ".join(map(str, VERSIONS))
+            raise ExportError(f"{folder} has version {about.get('version')} of the format, {known} are known here; export the material again")
         for name in ["table.json", "table.ktx2"]:
             bytes_ = about["files"][name]["bytes"]
             if not (self.folder / name).is_file() or (self.folder / name).stat().st_size != bytes_:
@@ -50,7 +58,21 @@ class Export:
         self.cubics = table["unit"] * np.array(table["basis"]["cubics"]).reshape(self.pieces, self.components, 3, 4)
         self.specular = np.array(table["specular"]["weights"])
         self.variances = np.array(table["specular"]["variances"])
-        self.mean = np.array(table["mean_reflectance"])
+        indices, energy = table.get("indices"), table.get("energy")
+        self.mean = self.indices = self.polarisation = self.energy = None
+        if indices:
+            self.indices, self.polarisation = np.array(indices["n"]) + 1j * np.array(indices["k"]), indices["polarisation"]
+        else:
+            self.mean = np.array(table["mean_reflectance"])
+        if bool(indices) != bool(energy):
+            raise ExportError(f"{self.folder / 'table.json'} has only one of refractive indices and a limit of energy; export the material again")
+        if energy:
+            side = math.isqrt(len(energy))
+            self.energy = np.array(energy).reshape(side, side, 2)
+
+    def hides_pigment(self):
+        """Returns true if no light reaches a pigment below the surface; only the small-slope approximation tells."""
+        return self.indices is not None and self.indices[1].imag * 4 * math.pi / MIDDLE * OPAQUE_WITHIN > 1
 
     def json(self, name):
         """Returns the content of a file of the folder."""

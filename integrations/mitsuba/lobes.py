@@ -5,13 +5,14 @@ With p = -(u, v) = light + viewer across the normal, a density of p is one of so
 1. The table. Its luminance times the factor of f cos(theta_light) / cos(theta_light) is tabulated over p for directions of the viewer, and interpolated between
    them.
 2. The specular order: a Gaussian of p as wide as that of the longest wavelengths, so that no wavelength has a wider one.
-3. The hemisphere, evenly. f cos(theta_light) does not fall to 0 at the horizon, so that a cosine lobe would have weights without a bound there.
+3. The hemisphere, evenly. By Stam's theory f cos(theta_light) does not fall to 0 at the horizon, so that a cosine lobe would have weights without a bound there.
 """
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+import small_slope
 from exported import LARGEST_W
 
 # Directions of the viewer of which the table is tabulated.
@@ -45,8 +46,24 @@ def luminance(export, coordinates, w):
     return np.einsum("ijc,ijck,ijk->ij", coordinates[piece, row, column], export.cubics[piece, :, 1], powers, optimize=False)
 
 
-def reflectance(export, cosine):
-    return np.interp(cosine, np.linspace(0, 1, len(export.mean)), export.mean)
+def excess(export, direction):
+    """Returns the directional albedo over the reflectance of a flat surface, of the nearest direction of the grid."""
+    x, y, z = direction
+    scale = 1 / np.sqrt((1 + np.sqrt(z)) * (1 + z))
+    side = export.energy.shape[0]
+    column, row = (np.rint(np.clip(0.5 + 0.5 * at * scale, 0, 1) * (side - 1)).astype(int) for at in (x, y))
+    return export.energy[row, column, 0]
+
+
+def factor(export, light, viewer):
+    """Returns the factor of Y in f cos(theta_light), times w^2. `light` and `viewer` are lists of three arrays."""
+    if export.indices is not None:
+        limit = np.maximum(1, np.maximum(excess(export, light), excess(export, viewer)))
+        kernel = small_slope.on_host(export.indices[1], light, viewer, export.polarisation)
+        return 4 * light[2] ** 2 * viewer[2] * kernel / limit
+    half2 = 0.5 * sum((a + b) ** 2 for a, b in zip(light, viewer))
+    mean = np.interp(np.sqrt(0.5 * half2), np.linspace(0, 1, len(export.mean)), export.mean)
+    return mean * half2**2 / viewer[2]
 
 
 def slices(export, footprint):
@@ -58,14 +75,21 @@ def slices(export, footprint):
 
     def of_viewer(azimuth, cosine):
         sine = np.sqrt(1 - cosine**2)
-        r2 = (x - sine * np.cos(azimuth)) ** 2 + (y - sine * np.sin(azimuth)) ** 2
+        viewer = sine * np.cos(azimuth), sine * np.sin(azimuth), cosine
+        light_x, light_y = x - viewer[0], y - viewer[1]
+        r2 = light_x**2 + light_y**2
         light_z = np.sqrt(np.maximum(1 - r2, LEAST_COSINE**2))
-        w = cosine + light_z
-        half2 = 0.5 * (x**2 + y**2 + w**2)
-        factor = reflectance(export, np.sqrt(0.5 * half2)) * half2**2 / (cosine * light_z)
-        return np.where(r2 < (1 + MARGIN) ** 2, factor * np.maximum(luminance(export, held, w), 0), 0)
+        of_light = factor(export, (light_x, light_y, light_z), viewer) / light_z
+        return np.where(r2 < (1 + MARGIN) ** 2, of_light * np.maximum(luminance(export, held, cosine + light_z), 0), 0)
 
     return np.array([[of_viewer(a, c) for c in COSINES] for a in AZIMUTHS], dtype=np.float32), last
+
+
+def mirrored(export):
+    """Returns the share of light that the specular order of a flat surface reflects toward each of COSINES, the mean over AZIMUTHS."""
+    azimuth, z = np.meshgrid(AZIMUTHS[:-1], COSINES, indexing="ij")
+    x, y = np.sqrt(1 - z**2) * (np.cos(azimuth), np.sin(azimuth))
+    return (factor(export, (-x, -y, z), (x, y, z)) / (4 * z**3)).mean(axis=0)
 
 
 class Lobes:
@@ -77,7 +101,7 @@ class Lobes:
         of_table = density.sum(axis=(-1, -2)).mean(axis=0) * cell
         at = np.linspace(0, LARGEST_W, export.specular.shape[1])
         of_bands = np.array([np.interp(2 * COSINES, at, weights[:, 1]) for weights in export.specular])
-        of_specular = of_bands.sum(axis=0) * reflectance(export, COSINES)
+        of_specular = of_bands.sum(axis=0) * mirrored(export)
         total = of_table + of_specular + pigment
         even = EVEN + (1 - EVEN) * pigment / total
         self.even = even.tolist()

@@ -9,6 +9,7 @@
 The function is written to be read and ported; docs/EXPORT.md explains it step by step.
 """
 
+import cmath
 import csv
 import json
 import math
@@ -16,7 +17,10 @@ import pathlib
 import struct
 import sys
 
+VERSIONS = (1, 2)
 LARGEST_W = 2.0
+# Product of sines below which a direction is the normal.
+NORMAL = 1e-12
 # Rule for the taps of a footprint.
 SPACING = 2.2
 REACH = 2.8
@@ -71,20 +75,38 @@ def between(samples, place):
     return samples[left] + (at - left) * (samples[left + 1] - samples[left])
 
 
+def small_slope(index, polarisation, light, viewer):
+    """Returns |B|^2 for a refractive index n + ik, summed over the polarisations of the light that leaves."""
+    squared = index * index
+    sines = math.hypot(*light[:2]) * math.hypot(*viewer[:2])
+    # At the normal the azimuth between the wave vectors is rounding, and the sum over polarisations does not depend on it.
+    cosine = -(light[0] * viewer[0] + light[1] * viewer[1]) / sines if sines > NORMAL else 1.0
+    cosine = min(max(cosine, -1.0), 1.0)
+    sine2 = 1.0 - cosine * cosine
+    q_i, q_r = (cmath.sqrt(squared - 1.0 + z * z) for z in (light[2], viewer[2]))
+    s_i, s_r = light[2] + q_i, viewer[2] + q_r
+    p_i, p_r = squared * light[2] + q_i, squared * viewer[2] + q_r
+    te = abs(cosine / (s_r * s_i)) ** 2 + sine2 * abs(q_r / (p_r * s_i)) ** 2
+    tm = abs((q_r * q_i * cosine - squared * sines) / (p_r * p_i)) ** 2 + sine2 * abs(q_i / (s_r * p_i)) ** 2
+    return abs(squared - 1.0) ** 2 * {"none": 0.5 * (te + tm), "te": te, "tm": tm}[polarisation]
+
+
 class Material:
     """Material in a folder that `diffract export` wrote."""
 
     def __init__(self, folder):
         folder = pathlib.Path(folder)
         about = json.loads((folder / "material.json").read_text())
-        if about.get("format") != "diffract-material" or about.get("version") != 1:
+        if about.get("format") != "diffract-material" or about.get("version") not in VERSIONS:
             raise ValueError(f"{folder} is no export of a version that is known here")
         table = json.loads((folder / "table.json").read_text())
         self.texels = Texels(folder / "table.ktx2")
         self.grid = table["grid"]
         self.unit = table["unit"]
         self.blur = table["coherence_blur"]
-        self.mean = table["mean_reflectance"]
+        self.mean = table["mean_reflectance"]  # by Stam's theory
+        self.indices = table.get("indices")  # by the small-slope approximation
+        self.energy = table.get("energy")
         self.variances = table["specular"]["variances"]
         self.weights = table["specular"]["weights"]  # [band][sample of |w|][XYZ]
         self.pieces = table["basis"]["pieces"]
@@ -173,6 +195,33 @@ class Material:
                 xyz[i] += lobe * between([sample[i] for sample in weights], w / LARGEST_W)
         return xyz
 
+    def factors(self, light, viewer):
+        """Returns the factors of X, Y and Z in f cos(theta_light), times w^2."""
+        if self.indices:
+            indices = [complex(n, k) for n, k in zip(self.indices["n"], self.indices["k"])]
+            cosines = 4.0 * light[2] ** 2 * viewer[2]
+            return [cosines * small_slope(index, self.indices["polarisation"], light, viewer) for index in indices]
+        half2 = 0.5 * sum((a + b) ** 2 for a, b in zip(light, viewer))  # 1 + light . viewer
+        reflectance = between(self.mean, min(math.sqrt(0.5 * half2), 1.0))  # over the cosine of the half angle
+        return [reflectance * half2**2 / viewer[2]] * 3  # R G cos(theta_light)
+
+    def excess(self, direction):
+        """Returns the directional albedo over the reflectance of a flat surface, linear between the directions of a square grid."""
+        side = math.isqrt(len(self.energy))
+        scale = math.sqrt((1.0 + math.sqrt(direction[2])) * (1.0 + direction[2]))
+        column, row = (min(max(0.5 + 0.5 * x / scale, 0.0), 1.0) * (side - 1) for x in direction[:2])
+        left, low = min(int(column), side - 2), min(int(row), side - 2)
+
+        def in_row(number):
+            first, second = (self.energy[number * side + left + i][0] for i in (0, 1))
+            return first + (column - left) * (second - first)
+
+        return in_row(low) + (row - low) * (in_row(low + 1) - in_row(low))
+
+    def limit(self, light, viewer):
+        """Returns the divisor that keeps the surface from reflecting more than a flat one."""
+        return max(1.0, self.excess(light), self.excess(viewer)) if self.energy else 1.0
+
     def rgb(self, light, viewer, footprint=((0.0, 0.0), (0.0, 0.0))):
         """Returns linear sRGB of f cos(theta_light) [1/sr].
 
@@ -184,12 +233,10 @@ class Material:
             return [0.0, 0.0, 0.0]
         uu, uv, vv = dx[0] ** 2 + dy[0] ** 2, dx[0] * dx[1] + dy[0] * dy[1], dx[1] ** 2 + dy[1] ** 2
         toward, w = [light[0] + viewer[0], light[1] + viewer[1]], light[2] + viewer[2]  # -(u, v, w)
-        length2 = toward[0] ** 2 + toward[1] ** 2 + w * w
         scattered = self.scattered(toward, w, self.taps(uu, uv, vv))
         specular = self.specular(toward, w, uu, uv, vv)
-        reflectance = between(self.mean, min(0.5 * math.sqrt(length2), 1.0))  # over the cosine of the half angle
-        factor = reflectance * (0.5 * length2) ** 2 / (viewer[2] * w * w)  # R G cos(theta_light) / w^2
-        xyz = [factor * (a * w * w + b) for a, b in zip(scattered, specular)]
+        divisor = w * w * self.limit(light, viewer)
+        xyz = [factor * (a * w * w + b) / divisor for factor, a, b in zip(self.factors(light, viewer), scattered, specular)]
         return [sum(m * x for m, x in zip(row, xyz)) for row in TO_SRGB]
 
 

@@ -71,8 +71,10 @@ impl DirectionalAlbedo {
         let key = |direction: DVec3| direction.to_array().map(f64::to_bits);
         let distinct: HashMap<_, _> =
             pairs.iter().flat_map(|pair| [pair.light, pair.view]).map(|d| (key(d), d)).collect();
-        let excess: HashMap<_, _> =
-            distinct.into_par_iter().map(|(key, direction)| (key, self.excess(direction, wavelength))).collect();
+        let excess: HashMap<_, _> = distinct
+            .into_par_iter()
+            .map(|(key, direction)| (key, self.excess(direction, wavelength)))
+            .collect();
         let of = |direction| excess.get(&key(direction)).copied().unwrap_or_default();
         pairs.iter().map(|pair| of(pair.light).max(of(pair.view)).max(1.0)).collect()
     }
@@ -82,7 +84,9 @@ impl DirectionalAlbedo {
         let terms = series.terms;
         let [columns, rows] = series.grid.size;
         let patch = DVec2::from_array(series.grid.patch);
-        let group = |place: usize, axis: usize| (place as i64 - series.grid.origin[axis] as i64).div_euclid(sizes[axis]);
+        let group = |place: usize, axis: usize| {
+            (place as i64 - series.grid.origin[axis] as i64).div_euclid(sizes[axis])
+        };
         let first = [0, 1].map(|axis| group(0, axis));
         let counts = [group(columns - 1, 0) - first[0] + 1, group(rows - 1, 1) - first[1] + 1];
         let count = (counts[0] * counts[1]) as usize;
@@ -132,7 +136,8 @@ impl DirectionalAlbedo {
         let k = TAU / wavelength;
         let factor = self.reflectance.at_wavelength(wavelength).of_light(light);
         let (w, mirror) = (2.0 * light.z, DVec3::new(-light.x, -light.y, light.z));
-        let specular = weight(mirror) * factor.toward(mirror) / (light.z * w * w) * self.series(&self.specular, k * w).max(0.0);
+        let specular = weight(mirror) * factor.toward(mirror) / (light.z * w * w)
+            * self.series(&self.specular, k * w).max(0.0);
         let scattered: f64 = self
             .frequencies
             .iter()
@@ -144,7 +149,9 @@ impl DirectionalAlbedo {
                     return 0.0;
                 }
                 let view = across.extend((1.0 - squared).sqrt());
-                weight(view) * factor.toward(view) * self.series(coefficients, k * (light.z + view.z)).max(0.0)
+                weight(view)
+                    * factor.toward(view)
+                    * self.series(coefficients, k * (light.z + view.z)).max(0.0)
             })
             .sum();
         specular + scattered * k * k / light.z

@@ -80,12 +80,14 @@ impl EnergyMap {
     pub fn new(albedo: &DirectionalAlbedo, illuminant: &Illuminant) -> Self {
         let (table, weights) = (albedo.table(), ColourWeights::new(illuminant));
         let white = weights.0.iter().copied().sum::<DVec3>();
-        let colours: Vec<[DVec3; 2]> =
-            (0..DirectionGrid::COUNT).map(|point| weights.colours(|layer| table.of_layer(layer, point))).collect();
+        let colours: Vec<[DVec3; 2]> = (0..DirectionGrid::COUNT)
+            .map(|point| weights.colours(|layer| table.of_layer(layer, point)))
+            .collect();
         let ratios: Vec<f64> = colours.iter().map(|[sent, allowed]| largest_ratio(*sent, *allowed)).collect();
-        let albedos = colours.iter().zip(&ratios).map(|([sent, _], ratio)| {
-            (largest_ratio(*sent, white) / ratio.max(1.0)).clamp(0.0, 1.0)
-        });
+        let albedos = colours
+            .iter()
+            .zip(&ratios)
+            .map(|([sent, _], ratio)| (largest_ratio(*sent, white) / ratio.max(1.0)).clamp(0.0, 1.0));
         let transmitted: Vec<f64> = albedos.map(|albedo| 1.0 - albedo).collect();
         let scale = mean_over_cosines(&transmitted).max(f64::MIN_POSITIVE).sqrt().recip();
         let points = ratios.iter().zip(&transmitted).map(|(r, t)| [*r as f32, (t * scale) as f32]).collect();
@@ -117,7 +119,10 @@ impl EnergyMap {
 
     /// Returns the map of a surface that sends nothing anywhere.
     pub fn dark() -> Self {
-        Self { points: vec![[0.0, 1.0]; DirectionGrid::COUNT], header: EnergyMapHeader { largest: 0.0, error: 0.0 } }
+        Self {
+            points: vec![[0.0, 1.0]; DirectionGrid::COUNT],
+            header: EnergyMapHeader { largest: 0.0, error: 0.0 },
+        }
     }
 
     /// Returns E/R of colours for a direction above the horizon.
@@ -139,13 +144,19 @@ impl EnergyMap {
     /// normalised by the mean of 1 − E over directions, so that a white pigment and the surface together reflect at most all light
     /// (\[Kelemen and Szirmay-Kalos 2001\], *A microfacet based coupled specular-matte BRDF model*, Eurographics short papers).
     pub fn pigment(&self, pair: &Pair) -> f64 {
-        let passed = |direction| DirectionGrid::interpolate(direction, |point| f64::from(self.points[point][1]));
+        let passed =
+            |direction| DirectionGrid::interpolate(direction, |point| f64::from(self.points[point][1]));
         passed(pair.light) * passed(pair.view)
     }
 
     /// Returns the points of the grid, row by row: E/R and the root of the factor of a pigment.
     pub fn points(&self) -> &[[f32; 2]] {
         &self.points
+    }
+
+    /// Returns by how much the theory was limited, in words; `None` up to 2 %.
+    pub fn note(&self) -> Option<String> {
+        excess_note(self.header.largest)
     }
 
     /// Returns the largest ratio and the error.
@@ -171,6 +182,18 @@ impl EnergyMap {
     }
 }
 
+/// Returns by how much a theory was limited whose largest albedo is so many times that of a flat surface, in words; `None` up to 2 %.
+pub fn excess_note(largest: f64) -> Option<String> {
+    /// Ratio up to which nothing is said.
+    const SAID: f64 = 1.02;
+    (largest > SAID).then(|| {
+        format!(
+            "the theory would send up to {:.0} % more light than a flat surface reflects, and is limited to that",
+            100.0 * (largest - 1.0)
+        )
+    })
+}
+
 /// Interpolates E/R between the points of a map.
 fn excess(points: &[[f32; 2]], direction: DVec3) -> f64 {
     DirectionGrid::interpolate(direction, |point| f64::from(points[point][0]))
@@ -178,7 +201,10 @@ fn excess(points: &[[f32; 2]], direction: DVec3) -> f64 {
 
 /// Returns ∫ value cos θ dω/π over the directions of the grid.
 fn mean_over_cosines(values: &[f64]) -> f64 {
-    let weighed = values.iter().enumerate().map(|(point, value)| (value * DirectionGrid::weight(point), DirectionGrid::weight(point)));
+    let weighed = values
+        .iter()
+        .enumerate()
+        .map(|(point, value)| (value * DirectionGrid::weight(point), DirectionGrid::weight(point)));
     let (sum, weights) = weighed.fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
     sum / weights
 }

@@ -74,7 +74,9 @@ fn spectral(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64) -> Vec<f
 /// Returns the `values` of `pairs` within the limit of energy of `table`.
 fn limited(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64, values: Vec<f64>) -> Vec<f64> {
     match table.limit() {
-        Some(limit) => values.iter().zip(limit.limits(pairs, wavelength)).map(|(f, limit)| f / limit).collect(),
+        Some(limit) => {
+            values.iter().zip(limit.limits(pairs, wavelength)).map(|(f, limit)| f / limit).collect()
+        }
         None => values,
     }
 }
@@ -109,7 +111,8 @@ impl<'a> MeanReference<'a> {
     fn table(&mut self) -> Result<&TabulatedMean<'a>> {
         let table = match self.table.take() {
             Some(table) => table,
-            None => TabulatedMean::new(self.mean.clone(), self.shortest, &|_, _| Ok(()))?.limited(Decimation::Fine),
+            None => TabulatedMean::new(self.mean.clone(), self.shortest, &|_, _| Ok(()))?
+                .limited(Decimation::Fine),
         };
         Ok(self.table.insert(table))
     }

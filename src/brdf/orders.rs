@@ -69,7 +69,12 @@ impl MeanBrdf<'_> {
     }
 
     /// Returns the divisors of the orders in the directions `asked`; none without a limit.
-    fn limits(&self, asked: &[([i64; 2], Pair)], series: Option<&TabulatedMean<'_>>, wavelength: f64) -> Vec<f64> {
+    fn limits(
+        &self,
+        asked: &[([i64; 2], Pair)],
+        series: Option<&TabulatedMean<'_>>,
+        wavelength: f64,
+    ) -> Vec<f64> {
         let pairs: Vec<Pair> = asked.iter().map(|(_, pair)| *pair).collect();
         let albedo = |series: &TabulatedMean<'_>| -> DirectionalAlbedo {
             // Each order is a direction: of many, the sum is over groups.
@@ -80,7 +85,14 @@ impl MeanBrdf<'_> {
     }
 
     /// Returns the order `numbers` in the directions `pair`, of power |c_m|² = `power`, divided by `limit`.
-    fn order(&self, numbers: [i64; 2], pair: &Pair, wavelength: f64, power: f64, limit: f64) -> DiffractionOrder {
+    fn order(
+        &self,
+        numbers: [i64; 2],
+        pair: &Pair,
+        wavelength: f64,
+        power: f64,
+        limit: f64,
+    ) -> DiffractionOrder {
         // ∫ du dv over the density of an order in f = (u, v)/λ is λ².
         let in_order = power * wavelength.powi(2);
         let weighted = self.reflectance.cosine_weighted(pair, wavelength, 1.0, in_order);

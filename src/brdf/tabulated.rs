@@ -119,7 +119,11 @@ impl<'a> TabulatedMean<'a> {
     ///
     /// # Errors
     /// Fails if there is not enough memory, or with the error of `progress`.
-    pub fn limit_of(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Option<Arc<DirectionalAlbedo>>> {
+    pub fn limit_of(
+        mean: MeanBrdf<'a>,
+        shortest: f64,
+        progress: Progress<'_>,
+    ) -> Result<Option<Arc<DirectionalAlbedo>>> {
         /// Most terms of the series in z: heights of 60 µm in visible light.
         const MOST_TERMS: usize = 1024;
         if !mean.reflectance.is_limited() || Self::terms(mean.field, shortest) > MOST_TERMS {

@@ -5,7 +5,8 @@ mod page;
 use self::page::PageSubject;
 use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
-use super::{captions, prepare, write};
+use super::{captions, prepare, say, write};
+use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
 use crate::export::page::MOST_PAGE_TEXELS;
 use crate::export::page_mesh::PageMesh;
@@ -121,6 +122,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let subject =
             PageSubject { source: &source, field: &field, optics: &optics, illuminant, mesh: mesh.as_ref() };
         page::write(path, &subject, &material, &description)?;
+    }
+    let energy = material.table.header.energy.as_deref().and_then(EnergyMap::of_points);
+    if let Some(note) = energy.and_then(|energy| energy.note()) {
+        say(&note);
     }
     write::stdout(&summary(&description))
 }

@@ -6,6 +6,7 @@ use super::prepare;
 use super::verbosity::detail;
 use super::{say, write};
 use crate::brdf::DiffractionOrder;
+use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
 use crate::error::{Error, Result};
 use crate::files::Files;
@@ -29,8 +30,8 @@ const NM_PER_UM: f64 = 1e3;
 which the heights repeat, m along x and n along y: (u, v) = (m wavelength/Tx, n wavelength/Ty), which is minus the sum of the directions to the light and to the viewer.
 
 The answer is CSV, a row for each order above the horizon: wavelength [nm]; m and n; theta_r and phi_r, its \
-direction [degrees]; efficiency, the share of the incident light that it takes; reflectance, R at its half vector, \
-which is a factor of the efficiency; period [nm] of the grating whose first order it is, \
+direction [degrees]; efficiency, the share of the incident light that it takes; reflectance, with which Stam's factor \
+would give the efficiency, by --theory stam R at the half vector; period [nm] of the grating whose first order it is, \
 1/sqrt((m/Tx)^2 + (n/Ty)^2), empty for the specular order. Efficiencies are those of scalar theory; `surface info` \
 says by how much they err. -v prints their sum.
 
@@ -139,6 +140,9 @@ fn tell(orders: &[DiffractionOrder], least: f64, cell: &HeightField, wavelength:
         0 => String::new(),
         count => format!("; {count} below {least:e} are left out, {:.1e} together", sum(&fainter)),
     };
+    if let Some(note) = excess_note(orders.iter().map(|order| order.limit).fold(1.0, f64::max)) {
+        say(&format_args!("{:.1} nm: {note}", wavelength * NM_PER_UM));
+    }
     detail(&format_args!(
         "{:.1} nm: {} orders of a cell of {x:.4} x {y:.4} um take {:.4} of the light{faint}",
         wavelength * NM_PER_UM,

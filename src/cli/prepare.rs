@@ -79,6 +79,9 @@ pub fn source(
     if let Some(note) = made.note {
         say(&in_options(&note));
     }
+    if let Some(note) = made.source.energy().and_then(|energy| energy.note()) {
+        say(&note);
+    }
     Ok(made.source)
 }
 

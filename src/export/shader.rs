@@ -79,7 +79,8 @@ fn numbers(header: &TableHeader) -> String {
         number((grid.levels - 1) as f64),
     ];
     let bands = header.specular.variances.len();
-    let (rows, law) = ((4 * bands - 1) / 3 + 1, if header.indices.is_some() { SMALL_SLOPE_INDICES } else { SPECTRAL });
+    let (rows, law) =
+        ((4 * bands - 1) / 3 + 1, if header.indices.is_some() { SMALL_SLOPE_INDICES } else { SPECTRAL });
     let polarisation = header.indices.map_or(Polarisation::None, |indices| indices.polarisation);
     let polarisation = Polarisation::ALL.iter().position(|known| *known == polarisation).unwrap_or_default();
     format!(

@@ -165,7 +165,9 @@ impl Reflectance {
     /// Returns the reflectance of the same surface in light of this polarisation. Schlick's approximation has one for all.
     pub fn polarised(self, polarisation: Polarisation) -> Self {
         match self {
-            Self::Fresnel { material, film, theory, .. } => Self::Fresnel { material, film, polarisation, theory },
+            Self::Fresnel { material, film, theory, .. } => {
+                Self::Fresnel { material, film, polarisation, theory }
+            }
             Self::Schlick(_) => self,
         }
     }
@@ -173,7 +175,9 @@ impl Reflectance {
     /// Returns the reflectance of the same surface with the factor of `theory`. Schlick's approximation always has Stam's.
     pub fn by(self, theory: Theory) -> Self {
         match self {
-            Self::Fresnel { material, film, polarisation, .. } => Self::Fresnel { material, film, polarisation, theory },
+            Self::Fresnel { material, film, polarisation, .. } => {
+                Self::Fresnel { material, film, polarisation, theory }
+            }
             Self::Schlick(_) => self,
         }
     }
@@ -205,8 +209,12 @@ impl Reflectance {
     /// energy: k² F/(4π² A w²) · |P|², with F as in [`Self::factor`]. It is 0 below the horizon.
     pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, area: f64, power: f64) -> f64 {
         match self.theory() {
-            Theory::Stam => self.at(wavelength, pair.cos_half_angle()) * cosine_weighted(pair, wavelength, area, power),
-            Theory::SmallSlope => self.at_wavelength(wavelength).factor(pair) * per_factor(pair, wavelength, area, power),
+            Theory::Stam => {
+                self.at(wavelength, pair.cos_half_angle()) * cosine_weighted(pair, wavelength, area, power)
+            }
+            Theory::SmallSlope => {
+                self.at_wavelength(wavelength).factor(pair) * per_factor(pair, wavelength, area, power)
+            }
         }
     }
 
@@ -232,7 +240,9 @@ impl Reflectance {
     pub fn index(&self) -> Option<f64> {
         match self {
             Self::Schlick(ior) => Some(*ior),
-            Self::Fresnel { material, film: None, theory: Theory::SmallSlope, .. } => material.constant_index(),
+            Self::Fresnel { material, film: None, theory: Theory::SmallSlope, .. } => {
+                material.constant_index()
+            }
             Self::Fresnel { material, film: None, polarisation: Polarisation::None, .. } => {
                 material.constant_index()
             }
@@ -414,7 +424,9 @@ impl IncidentFactor<'_> {
         match self {
             Self::Stam(factor, light) => factor.factor(&Pair::new(*light, view)),
             Self::SmallSlope(_, light) if light.z <= 0.0 || view.z <= 0.0 => 0.0,
-            Self::SmallSlope(incidence, light) => 4.0 * light.z * light.z * view.z * incidence.intensity(view),
+            Self::SmallSlope(incidence, light) => {
+                4.0 * light.z * light.z * view.z * incidence.intensity(view)
+            }
         }
     }
 }

@@ -107,7 +107,14 @@ mod tests {
 
     fn indices() -> Vec<Complex64> {
         let gold = Material::from_name_or_file("gold").unwrap();
-        vec![1.5.into(), 1.05.into(), 4.0.into(), gold.index(0.45), gold.index(0.65), Complex64::new(0.05, 3.6)]
+        vec![
+            1.5.into(),
+            1.05.into(),
+            4.0.into(),
+            gold.index(0.45),
+            gold.index(0.65),
+            Complex64::new(0.05, 3.6),
+        ]
     }
 
     fn pairs(count: usize) -> Vec<Pair> {
@@ -129,7 +136,10 @@ mod tests {
                     [(Polarisation::Te, te), (Polarisation::Tm, tm), (Polarisation::None, 0.5 * (te + tm))]
                 {
                     let found = intensity(index, &pair, polarisation);
-                    assert!((found - expected).abs() < 1e-12, "{index} {theta} {polarisation:?}: {found} {expected}");
+                    assert!(
+                        (found - expected).abs() < 1e-12,
+                        "{index} {theta} {polarisation:?}: {found} {expected}"
+                    );
                 }
             }
         }
@@ -153,7 +163,9 @@ mod tests {
     fn unpolarised_light_near_the_normal_has_no_azimuth() {
         for index in indices() {
             let view = direction(50.0, 20.0);
-            let at = |theta: f64, phi: f64| intensity(index, &Pair::new(direction(theta, phi), view), Polarisation::None);
+            let at = |theta: f64, phi: f64| {
+                intensity(index, &Pair::new(direction(theta, phi), view), Polarisation::None)
+            };
             let exact = at(0.0, 0.0);
             for phi in [0.0, 70.0, 200.0] {
                 assert!((at(1e-5, phi) / exact - 1.0).abs() < 1e-5, "{index} {phi}");

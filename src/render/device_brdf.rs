@@ -40,7 +40,12 @@ impl DeviceBrdf {
             }),
             _ => None,
         };
-        Ok(Self { evaluator: Evaluator::new(device, source, optics)?, grating, limit: None, energy: source.energy().cloned() })
+        Ok(Self {
+            evaluator: Evaluator::new(device, source, optics)?,
+            grating,
+            limit: None,
+            energy: source.energy().cloned(),
+        })
     }
 
     /// Returns the same BRDF with single wavelengths within a limit of energy; colours have that of the source.

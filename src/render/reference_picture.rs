@@ -96,7 +96,8 @@ impl<'a> PixelReference<'a> {
         progress: Progress<'_>,
     ) -> Result<Self> {
         let sigma = optics.coherence.sigma();
-        let mean = |sigma| MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
+        let mean =
+            |sigma| MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
         let (by, limit) = match (optics.windows, sigma) {
             (Windows::All, Some(sigma)) => {
                 let table = TabulatedMean::with_sampling(mean(sigma), SHORTEST, sampling, progress)?;

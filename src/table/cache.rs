@@ -3,8 +3,8 @@
 use super::basis::{MOST_COMPONENTS, MOST_PIECES, PER_TEXEL};
 use super::grid::MOST_LEVELS;
 use super::{BANDS, ColorBasis, ColorTable, FORMER_BANDS, SPECULAR_SAMPLES, TableHeader};
-use crate::cache::{EntryFormat, Kept, Payload, count, positive};
 use crate::brdf::energy_map::EnergyMap;
+use crate::cache::{EntryFormat, Kept, Payload, count, positive};
 use crate::optics::reflectance::{IndexTriple, MeanReflectance};
 
 /// Limit of all sides, larger than any side of a texture.
@@ -84,8 +84,8 @@ mod tests {
     use super::*;
     use crate::budget::{ErrorBudget, MeanBudget};
     use crate::cache::{Key, Store, read, seal};
-    use crate::optics::material::Material;
     use crate::optics::energy::DirectionGrid;
+    use crate::optics::material::Material;
     use crate::optics::reflectance::{Film, Reflectance};
     use crate::optics::spectrum::Illuminant;
     use crate::surface::HeightField;

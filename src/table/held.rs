@@ -33,7 +33,9 @@ impl HeldFactor {
         let at = |i: usize| LARGEST_W * i as f64 / Self::STEPS as f64;
         let polarisation = reflectance.polarisation();
         let table = |index| -> Vec<f32> {
-            let row = |j: usize| (0..=Self::STEPS).map(move |i| mean_intensity(index, at(i), at(j), polarisation) as f32);
+            let row = |j: usize| {
+                (0..=Self::STEPS).map(move |i| mean_intensity(index, at(i), at(j), polarisation) as f32)
+            };
             (0..=Self::STEPS).flat_map(row).collect()
         };
         let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);

@@ -78,8 +78,11 @@ impl Specular {
     /// Returns the variance and the weights of sums of so many bands `together`; the variance is their mean by luminance.
     pub fn groups(&self, together: usize) -> impl Iterator<Item = (f64, Vec<[f32; 3]>)> {
         self.weights.chunks(together).zip(self.variances.chunks(together)).map(|(weights, variances)| {
-            let sum = |sample: usize| -> Vec3 { weights.iter().map(|band| Vec3::from_array(band[sample])).sum() };
-            let light = |band: &Vec<[f32; 3]>| band.iter().map(|[x, y, z]| f64::from(x + y + z)).sum::<f64>().max(0.0);
+            let sum =
+                |sample: usize| -> Vec3 { weights.iter().map(|band| Vec3::from_array(band[sample])).sum() };
+            let light = |band: &Vec<[f32; 3]>| {
+                band.iter().map(|[x, y, z]| f64::from(x + y + z)).sum::<f64>().max(0.0)
+            };
             let (mut weighed, mut total) = (0.0, 0.0);
             for (band, variance) in weights.iter().zip(variances) {
                 (weighed, total) = (weighed + light(band) * variance, total + light(band));

@@ -87,7 +87,8 @@ impl ViewSettings {
     pub fn bring(&mut self, scene: &Scene) {
         let object = scene.main_object();
         self.surface = scene.main_surface();
-        self.optics.reflectance = object.reflectance.clone().unwrap_or_default();
+        let theory = self.optics.reflectance.stated_theory();
+        self.optics.reflectance = object.reflectance.clone().unwrap_or_default().by(theory);
         self.base_color = object.base_color;
         self.lights.clone_from(&scene.lights);
         self.surroundings = placement(scene);

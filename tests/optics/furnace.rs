@@ -16,10 +16,16 @@ use glam::DVec3;
 
 const ANGLES: [f64; 8] = [0.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0];
 
-fn materials() -> Vec<Reflectance> {
-    let named = ["silver", "gold"].map(|name| Material::from_name_or_file(name).unwrap());
-    let metals = named.into_iter().map(|material| Reflectance::of_material(material, None));
-    std::iter::once(Reflectance::default()).chain(metals).collect()
+/// Returns silver, which reflects most, and for surfaces of short periods or large slopes gold and a refractive index, too.
+fn materials(kind: SurfaceKind) -> Vec<Reflectance> {
+    let [silver, gold] = ["silver", "gold"]
+        .map(|name| Reflectance::of_material(Material::from_name_or_file(name).unwrap(), None));
+    match kind {
+        SurfaceKind::Blaze | SurfaceKind::Bumps | SurfaceKind::Xenopeltis => {
+            vec![silver, gold, Reflectance::default()]
+        }
+        _ => vec![silver],
+    }
 }
 
 /// Returns the series of the orders of a built-in surface.
@@ -48,7 +54,7 @@ fn no_surface_reflects_more_of_a_white_sky_than_a_flat_one() {
     let mut limited = 0;
     for kind in SurfaceKind::ALL {
         let series = series(kind);
-        for reflectance in materials() {
+        for reflectance in materials(kind) {
             let albedo = |r: &Reflectance| DirectionalAlbedo::new(&series, r, Decimation::Coarse);
             let [small, stam] = [albedo(&reflectance), albedo(&reflectance.clone().by(Theory::Stam))];
             let map = EnergyMap::new(&small, &Illuminant::D65);
@@ -60,14 +66,18 @@ fn no_surface_reflects_more_of_a_white_sky_than_a_flat_one() {
                 let [within, _] = furnace(&small, view, &|other| map.limit(&Pair::new(view, other)));
                 // A flat surface of gold has more red than the sky: its colour is outside of the gamut.
                 let most = flat.max(DVec3::ONE) + 0.005;
-                assert!(within.cmple(most).all(), "{} of {reflectance} at {theta}: {within} of {flat}", kind.name());
+                assert!(
+                    within.cmple(most).all(),
+                    "{} of {reflectance} at {theta}: {within} of {flat}",
+                    kind.name()
+                );
                 limited += usize::from(free.max_element() > within.max_element() + 1e-3);
                 if phi == 10.0 {
                     let [a, b, c] = [before, free, within].map(DVec3::max_element);
                     row += &format!(" {a:.3} → {b:.3} → {c:.3} |");
                 }
             }
-            eprintln!("| {} | {reflectance} |{row} {:.1e}", kind.name(), map.header().error);
+            eprintln!("| {} | {reflectance} |{row}", kind.name());
         }
     }
     assert!(limited > 5, "no surface was limited, so that the test shows nothing");

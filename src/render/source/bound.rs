@@ -1,7 +1,7 @@
 //! Source on the device: descriptor set 1 and the shaders that read it.
 
 use super::part::Iterations;
-use super::surface_factor::{BINDINGS, SurfaceFactor};
+use super::surface_factor::{BINDINGS, FIRST, SurfaceFactor};
 use crate::error::Result;
 use crate::optics::reflectance::Reflectance;
 use crate::vk::buffer::Buffer;
@@ -47,7 +47,7 @@ pub struct BoundSource {
 pub(super) use vk::DescriptorType as Kind;
 
 impl BoundSource {
-    /// Makes a source with bindings of these `kinds`, numbered from 0, and those of `factor`, of a surface with this `reflectance`.
+    /// Makes a source with the bindings of `factor` and then those of these `kinds`, of a surface with this `reflectance`.
     pub(super) fn new(
         device: &Arc<Device>,
         name: &str,
@@ -57,7 +57,7 @@ impl BoundSource {
         (reflectance, factor): (&Reflectance, &SurfaceFactor),
     ) -> Result<Self> {
         let visible = vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
-        let numbered = (0..).zip(kinds.iter().copied()).chain(BINDINGS);
+        let numbered = BINDINGS.into_iter().chain((FIRST..).zip(kinds.iter().copied()));
         let bindings: Vec<Binding> =
             numbered.map(|(number, kind)| Binding { number, kind, stages: visible }).collect();
         constants.extend(factor.constants());

@@ -1,7 +1,7 @@
 //! Classical shader of a grating of one period, as a baseline. Its twin is `shaders/source_classical_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::surface_factor::SurfaceFactor;
+use super::surface_factor::{FIRST, SurfaceFactor};
 use super::{SourceSummary, stages};
 use crate::error::Result;
 use crate::settings::Optics;
@@ -49,7 +49,7 @@ impl ClassicalGrating {
         };
         let block = uniform(device, "classical grating block", &block)?;
         let factor = SurfaceFactor::without_spectrum(&optics.reflectance);
-        bound.replace(device, Vec::new(), vec![(0, block)], &factor)
+        bound.replace(device, Vec::new(), vec![(FIRST, block)], &factor)
     }
 
     pub(super) fn summary(&self) -> SourceSummary {

@@ -31,7 +31,7 @@ pub struct Grating {
 }
 
 /// Binding number of set 1, after those of [`spectra::binding`].
-const COPIES: u32 = 4;
+const COPIES: u32 = 7;
 
 /// The `Grating` block of the source (std140).
 #[repr(C)]
@@ -64,8 +64,7 @@ impl CopiesBlock {
 
 impl Grating {
     pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
-        let kinds =
-            [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER]].concat();
+        let kinds = [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER]].concat();
         let constants = spectra::constants(&self.layers);
         let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
         let of = (&optics.reflectance, &factor);
@@ -86,7 +85,12 @@ impl Grating {
         let (tables, mut buffers) = spectra::settings(device, of, &nodes)?;
         let block = CopiesBlock::new(&self.repeats, &colours, optics.budget().window.wavelengths);
         buffers.push((COPIES, uniform(device, "grating block", &block)?));
-        bound.replace(device, tables, buffers, &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()))
+        bound.replace(
+            device,
+            tables,
+            buffers,
+            &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()),
+        )
     }
 
     /// Returns the colour functions of `optics`.

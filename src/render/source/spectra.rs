@@ -1,8 +1,8 @@
 //! Spectra of an expansion's terms, shared by the sources of a window and of a grating. Its twin is
 //! `shaders/spectra.glsl`.
 
-use super::bound::{BoundSource, Kind, uniform};
 use super::Extent;
+use super::bound::{BoundSource, Kind, uniform};
 use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::render::tables::TableTexture;
@@ -22,10 +22,10 @@ use std::sync::Arc;
 
 /// Binding numbers of set 1.
 pub(super) mod binding {
-    pub const BLOCK: u32 = 0;
-    pub const LAYERS: u32 = 1;
-    pub const COEFFICIENTS: u32 = 2;
-    pub const NODES: u32 = 3;
+    pub const BLOCK: u32 = 3;
+    pub const LAYERS: u32 = 4;
+    pub const COEFFICIENTS: u32 = 5;
+    pub const NODES: u32 = 6;
 }
 
 /// Kinds of the bindings, in order.

@@ -1,4 +1,4 @@
-//! Factor in front of the power |P|² on the device: its law, the refractive index, what depends on the wavelength, and the limit of energy. They are the last
+//! Factor in front of the power |P|² on the device: its law, the refractive index, what depends on the wavelength, and the limit of energy. They are the first
 //! bindings of set 1 of each source. Its twins are `shaders/brdf.glsl` and `shaders/pair.glsl`.
 
 use super::bound::{Kind, uniform};
@@ -17,15 +17,17 @@ use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-/// Bindings of set 1, after those of every source.
+/// First bindings of set 1 of every source.
 pub(super) const BINDINGS: [(u32, Kind); 3] = [
     (MEDIUM, Kind::UNIFORM_BUFFER),
     (REFLECTANCES, Kind::COMBINED_IMAGE_SAMPLER),
     (ENERGY, Kind::COMBINED_IMAGE_SAMPLER),
 ];
-const MEDIUM: u32 = 8;
-const REFLECTANCES: u32 = 9;
-const ENERGY: u32 = 10;
+const MEDIUM: u32 = 0;
+const REFLECTANCES: u32 = 1;
+const ENERGY: u32 = 2;
+/// First binding of a source's own.
+pub(super) const FIRST: u32 = BINDINGS.len() as u32;
 
 /// Law of the factor: values of the specialisation constant `FACTOR_LAW`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +82,11 @@ impl SurfaceFactor {
     }
 
     /// Returns the factor of a table that holds the ratio of |B|² to that of `indices`.
-    pub fn of_indices(indices: IndexTriple, reflectance: &Reflectance, energy: Option<&Arc<EnergyMap>>) -> Self {
+    pub fn of_indices(
+        indices: IndexTriple,
+        reflectance: &Reflectance,
+        energy: Option<&Arc<EnergyMap>>,
+    ) -> Self {
         Self {
             law: Law::SmallSlopeIndices,
             indices,

@@ -30,10 +30,10 @@ pub struct Table {
 
 /// Binding numbers of set 1.
 mod binding {
-    pub const BLOCK: u32 = 0;
-    pub const COLOURS: u32 = 1;
-    pub const SPECULAR: u32 = 2;
-    pub const BASIS: u32 = 3;
+    pub const BLOCK: u32 = 3;
+    pub const COLOURS: u32 = 4;
+    pub const SPECULAR: u32 = 5;
+    pub const BASIS: u32 = 6;
 }
 
 const KINDS: [Kind; 4] = [

@@ -30,13 +30,12 @@ pub struct Thesis {
 
 /// Binding numbers of set 1.
 mod binding {
-    pub const BLOCK: u32 = 0;
-    pub const SERIES: u32 = 1;
-    pub const NODES: u32 = 2;
+    pub const BLOCK: u32 = 3;
+    pub const SERIES: u32 = 4;
+    pub const NODES: u32 = 5;
 }
 
-const KINDS: [Kind; 3] =
-    [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
+const KINDS: [Kind; 3] = [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
 
 /// The `Thesis` block (std140).
 #[repr(C)]

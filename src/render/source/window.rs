@@ -26,13 +26,12 @@ pub struct Window {
 }
 
 /// Binding number of set 1, after those of [`spectra::binding`].
-const BINS: u32 = 4;
+const BINS: u32 = 7;
 
 impl Window {
     pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         let layers = &self.layers;
-        let kinds =
-            [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER]].concat();
+        let kinds = [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER]].concat();
         let constants = spectra::constants(layers);
         let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
         let of = (&optics.reflectance, &factor);
@@ -58,7 +57,12 @@ impl Window {
                 bytemuck::cast_slice(&wavelengths.bins),
             )?,
         ));
-        bound.replace(device, tables, buffers, &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()))
+        bound.replace(
+            device,
+            tables,
+            buffers,
+            &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()),
+        )
     }
 
     pub(super) fn summary(&self, optics: &Optics) -> SourceSummary {

@@ -53,9 +53,12 @@ fn errors(ui: &mut Ui, model: &mut Model) {
         value(ui, &rows::BOUND, bound(&optics.terms, &optics.wavelengths, optics.tolerance));
     }
     let theory = model.sources.full.as_ref().and_then(|full| full.scalar_theory.as_ref());
+    let limited = model.sources.full.as_ref().and_then(|full| full.source().energy()?.note());
     rows::show(ui, &rows::SCALAR_THEORY, |ui| match theory {
         Some(theory) => {
-            ui.add(egui::Label::new(theory.brief()).truncate()).on_hover_text(theory.line());
+            let lines = [Some(theory.line().to_owned()), limited];
+            let lines = lines.into_iter().flatten().collect::<Vec<_>>().join("\n");
+            ui.add(egui::Label::new(theory.brief()).truncate()).on_hover_text(lines);
         }
         None => {
             ui.label("not looked up yet");

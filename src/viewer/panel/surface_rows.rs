@@ -38,7 +38,11 @@ fn index(ui: &mut Ui, reflectance: &mut Reflectance) {
         return;
     };
     if ui.add(number(&mut ior).speed(0.01).range(1.0..=4.0).fixed_decimals(2)).changed() {
-        *reflectance = reflectance.law().of_index(ior);
+        *reflectance = reflectance
+            .law()
+            .of_index(ior)
+            .by(reflectance.stated_theory())
+            .polarised(reflectance.polarisation());
     }
 }
 
