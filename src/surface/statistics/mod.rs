@@ -3,12 +3,14 @@
 //! Nothing is levelled or filtered first: prepare the field, then measure it. Only spectra are taken of the heights less their plane, under
 //! a Hann window.
 
+mod harmonics;
 pub mod height_spectrum;
 mod heights;
 mod line_periods;
 mod notes;
 pub mod periods;
 pub mod plot_grid;
+mod profile_form;
 mod relief;
 pub mod slopes;
 mod texture;
