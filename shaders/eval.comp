@@ -23,12 +23,13 @@ void main() {
         return;
     }
     Query query = queries[i];
-    Pair pair = pair_of(query.light.xyz, query.view.xyz, source.index);
+    Pair pair = pair_of(query.light.xyz, query.view.xyz, surface.medium);
     vec4 answer = vec4(0.0);
     if (query.light.w == 0.0) {
         answer = vec4(source_xyz(pair, POINT) + source_specular(pair, POINT), 0.0);
     } else if (part.first == 0) {
-        answer = vec4(source_spectral(pair, query.light.w));
+        // The limit of energy of a single wavelength is divided by in f64.
+        answer = vec4(source_spectral(pair, query.light.w) * pair.limit);
     }
-    answers[i] = pair.factor > 0.0 ? answer : vec4(0.0);
+    answers[i] = pair.factor.y > 0.0 ? answer : vec4(0.0);
 }

@@ -16,8 +16,8 @@ layout(push_constant) uniform Shade {
 #include "gbuffer.glsl"
 #include "light.glsl"
 
-layout(constant_id = 1) const bool OWN_REFLECTANCE = false; // true if the source already contains Fresnel's R
-layout(constant_id = 2) const float NORMAL_OF_PIGMENT = 0.0; // R0 that attenuates the pigment if the source contains R
+layout(constant_id = 1) const bool SOURCE_HAS_REFLECTANCE = false; // true if the source already contains Fresnel's R
+layout(constant_id = 2) const float NORMAL_OF_PIGMENT = 0.0; // R0 that attenuates the pigment if the source contains R; 1 hides it
 
 layout(constant_id = 6) const int FIRST_LIGHT = 0; // place of the first light
 layout(constant_id = 7) const int LIGHTS = 1;      // number of lights
@@ -26,7 +26,7 @@ layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 // Returns the radiance due to a light in the direction `to_light`. `views`: differences of the direction to the viewer.
 vec3 of_light(ivec2 pixel, SurfacePoint at, mat2x3 views, Light light, vec3 to_light) {
-    Pair pair = pair_of(to_light, at.to_view, source.index);
+    Pair pair = pair_of(to_light, at.to_view, surface.medium);
     Footprint footprint = POINT;
     if (SOURCE_READS_FOOTPRINT) {
         Footprint change = footprint_of(at, views, light, to_light);
@@ -37,9 +37,10 @@ vec3 of_light(ivec2 pixel, SurfacePoint at, mat2x3 views, Light light, vec3 to_l
         diffracted += source_specular(pair, footprint);
     }
     diffracted = LINEAR_SRGB_FROM_XYZ * diffracted;
-    float kept = OWN_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
+    float kept = SOURCE_HAS_REFLECTANCE ? schlick(NORMAL_OF_PIGMENT, pair.cos_half) : pair.reflectance;
+    float passed = LIMITED ? (NORMAL_OF_PIGMENT < 1.0 ? pair.pigment : 0.0) : 1.0 - kept;
     float first = part.first == 0 ? 1.0 : 0.0;
-    vec3 pigmented = albedo_of(pixel) * white * (first * (1.0 - kept) * to_light.z / PI);
+    vec3 pigmented = albedo_of(pixel) * white * (first * passed * to_light.z / PI);
     return (diffracted + pigmented) * (light.irradiance.rgb * (PI * falloff(at, light)));
 }
 
@@ -48,7 +49,7 @@ vec3 of_surroundings(SurfacePoint at, mat2x3 views, Light light) {
     if (!MIRRORED || at.to_view.z <= HORIZON) {
         return vec3(0.0);
     }
-    Pair pair = pair_of(vec3(-at.to_view.xy, at.to_view.z), at.to_view, source.index);
+    Pair pair = pair_of(vec3(-at.to_view.xy, at.to_view.z), at.to_view, surface.medium);
     return LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_radiance(at, views, light) / at.to_view.z;
 }
 

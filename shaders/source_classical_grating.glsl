@@ -3,7 +3,6 @@
 // are summed. Baseline without data. Its twin is src/render/source/classical_grating.rs.
 
 layout(set = 1, binding = 0, std140) uniform ClassicalGrating {
-    float index;              // refractive index
     float period;             // [um]
     float strength;           // radiance of the first order under a light of irradiance 1
     vec2 axis;                // direction of the period, in the tangent plane

@@ -7,12 +7,13 @@
 #include "footprint.glsl"
 
 layout(constant_id = 11) const int TEXELS = 3; // texels per direction and tap, of four coordinates each
+layout(constant_id = 16) const int BANDS = 64; // of wavelengths of the specular order, a power of 4
 
 // TEXELS layers for each piece of the range of |w|.
 layout(set = 1, binding = 1) uniform sampler2DArray color_table;
 
-// XYZ of the specular order over |w|: one row per band of wavelengths, then a row of the sum of all bands; the last row
-// holds the mean R of a material over twice the cosine of the half angle, or 1.
+// XYZ of the specular order over |w| and its variance in (u, v): one row per band of wavelengths, then rows of the sums of 4, 16 ... and at last of
+// all bands; the last row holds the mean R of a material over twice the cosine of the half angle, or 1.
 layout(set = 1, binding = 2) uniform sampler2D specular;
 
 // Basis functions, one row per piece: X, Y and Z of one coordinate after the other; RGBA: coefficients of 1, t, t^2 and
@@ -20,7 +21,6 @@ layout(set = 1, binding = 2) uniform sampler2D specular;
 layout(set = 1, binding = 3) uniform sampler2D basis;
 
 layout(set = 1, binding = 0, std140) uniform Table {
-    float index;              // refractive index
     float texture_per_uv;     // texture coordinate per unit of u
     float coherence;          // variance of u due to coherence
     float unit;               // BRDF value of a stored 1 [1/sr]
@@ -28,7 +28,6 @@ layout(set = 1, binding = 0, std140) uniform Table {
     float per_growth;         // reciprocal of the variance added per level
     float pieces;             // of 0 ... LARGEST_W
     float last_level;
-    vec4 variances[4];        // of u in each band of the specular order
 } source;
 
 vec4 table_texel(vec3 place, float level) {
@@ -39,9 +38,9 @@ vec4 table_cubic(int column, int piece) {
     return texelFetch(basis, ivec2(column, piece), 0);
 }
 
-vec3 table_row(float place, int row) {
+vec4 table_row(float place, int row) {
     vec2 size = vec2(textureSize(specular, 0));
-    return textureLod(specular, vec2(place * (size.x - 1.0) + 0.5, float(row) + 0.5) / size, 0.0).rgb;
+    return textureLod(specular, vec2(place * (size.x - 1.0) + 0.5, float(row) + 0.5) / size, 0.0);
 }
 
 #include "table.glsl"
@@ -52,7 +51,7 @@ vec3 source_specular(Pair pair, Footprint footprint) {
 
 // Returns the specular order, integrated over (u, v).
 vec3 source_mirrored(Pair pair) {
-    return table_row(pair.w / LARGEST_W, BANDS) * table_factor(pair);
+    return table_row(pair.w / LARGEST_W, MEAN_ROW - 1).rgb * table_factor(pair);
 }
 
 const bool SOURCE_READS_FOOTPRINT = true;

@@ -3,13 +3,9 @@
 // window. Two optimisations leave the sum unchanged: two terms share a texel, and weights are computed once per
 // wavelength. Its twin is src/render/source/thesis.rs.
 
-#define REFLECTANCE_BINDING 3
-#include "reflectance.glsl"
-
 layout(constant_id = 10) const int PAIRS = 1; // pairs of terms
 
 layout(set = 1, binding = 0, std140) uniform Thesis {
-    float index;               // refractive index
     float sigma;               // standard deviation of the Gaussian window [um]
     float half_range;          // a: the heights are in -a ... a [um]
     int wavelengths;           // texels of `nodes`
@@ -70,7 +66,7 @@ float density_at(Pair pair, float wavenumber) {
 
 float largest_wavenumber(Pair pair) {
     vec2 reach = source.band / max(abs(pair.toward), vec2(1e-9));
-    return pair.factor > 0.0 ? min(reach.x, reach.y) : 0.0;
+    return pair.factor.y > 0.0 ? min(reach.x, reach.y) : 0.0;
 }
 
 vec3 source_xyz(Pair pair, Footprint footprint) {
@@ -89,7 +85,7 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
 
 float source_spectral(Pair pair, float wavenumber) {
     bool seen = wavenumber <= largest_wavenumber(pair);
-    return seen ? pair.factor * source.sigma * source.sigma * density_at(pair, wavenumber) : 0.0;
+    return seen ? pair.factor.y * source.sigma * source.sigma * density_at(pair, wavenumber) : 0.0;
 }
 
 vec4 source_reads(vec2 pixel, bool scattered, int samples) {

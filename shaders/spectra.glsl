@@ -3,8 +3,6 @@
 
 #extension GL_EXT_control_flow_attributes : require
 #include "kernel.glsl"
-#define REFLECTANCE_BINDING 5
-#include "reflectance.glsl"
 
 layout(set = 1, binding = 0, std140) uniform Spectra {
     vec2 texture_size;              // texels of a layer along f_x and f_y
@@ -12,7 +10,6 @@ layout(set = 1, binding = 0, std140) uniform Spectra {
     vec2 texels_per_frequency;      // L_x, L_y [um]
     vec2 band;                      // largest |f_x|, |f_y| in the layers [1/um]
     float sigma;                    // standard deviation of the Gaussian window [um]
-    float index;                    // refractive index
     vec2 column;                    // texture coordinate of `coefficients` at z = k|w| = 0, and per unit of z [um]
     float pairs_per_z;              // pairs of terms at k|w|: ceil(pairs_per_z k|w| + fewest_pairs)
     float fewest_pairs;
@@ -53,7 +50,7 @@ Ray ray_of(Pair pair) {
 
 // Returns the largest wavenumber within the band [1/um]; 0 below the horizon.
 float largest_wavenumber(Pair pair) {
-    if (pair.factor == 0.0) {
+    if (pair.factor.y == 0.0) {
         return 0.0;
     }
     vec2 reach = source.band / max(abs(pair.toward), vec2(1e-9)); // unlimited in the specular direction
@@ -97,9 +94,9 @@ float power(Ray ray, float wavenumber) {
     return dot(p, p);
 }
 
-// Returns f cos(theta_i) of `pair` for q^2 |P|^2 = `power`, summed or not [1/sr].
+// Returns f cos(theta_i) of `pair` for q^2 |P|^2 = `power`, summed or not [1/sr]. Sums over wavelengths have one factor for X, Y and Z.
 float cosine_weighted(Pair pair, float power) {
-    return pair.factor * source.sigma * source.sigma * power;
+    return pair.factor.y * source.sigma * source.sigma * power;
 }
 
 vec3 cosine_weighted(Pair pair, vec3 powers) {

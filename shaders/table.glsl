@@ -2,12 +2,12 @@
 // in mip levels that average over growing Gaussians in (u, v). The specular order is added separately. The CPU twin is
 // src/table/read.rs.
 //
-// The includer defines TEXELS, the parameters of the table in `source`, and three functions that read:
+// The includer defines TEXELS, BANDS, the parameters of the table in `source`, and three functions that read:
 //   vec4 table_texel(vec3 place, float level)   four coordinates at a texture coordinate and layer, linear between texels, 0 outside
 //   vec4 table_cubic(int column, int piece)     factors of 1, t, t^2 and t^3 of X, Y and Z of one coordinate after the other
-//   vec3 table_row(float place, int row)        XYZ of the specular order at `place`, 0 to 1; a row for each band, one for all bands, one for the mean R
+//   vec4 table_row(float place, int row)        XYZ of the specular order at `place`, 0 to 1, and its variance; a row for each of BANDS bands of wavelengths, for the sums of each 4, 16 ... and all of them, and for the mean R
 
-const int BANDS = 16;       // of wavelengths of the specular order
+const int MEAN_ROW = (4 * BANDS - 1) / 3; // row of the mean R, below the sums
 const float LARGEST_W = 2.0;
 
 // Coordinates read at a position, of which the first TEXELS vectors are used.
@@ -50,8 +50,8 @@ vec3 colour_of(Numbers numbers, Piece piece) {
 }
 
 // Returns the factor of f, including the mean R of a material at the pixel's directions.
-float table_factor(Pair pair) {
-    return table_row(pair.cos_half, BANDS + 1).r * pair.factor / (4.0 * PI);
+vec3 table_factor(Pair pair) {
+    return table_row(pair.cos_half, MEAN_ROW).r * pair.factor / (4.0 * PI);
 }
 
 // Returns the specular order: a Gaussian in (u, v) for each band of wavelengths.
@@ -59,13 +59,23 @@ vec3 table_specular(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
     // Beyond this the widest lobe is negligible: exp(-0.5 * 40) of its peak.
     const float NOWHERE = 40.0;
-    float widest = max(c.x, c.z) + source.variances[0].x;
-    bool seen = pair.factor > 0.0 && dot(pair.toward, pair.toward) < NOWHERE * widest;
-    int bands = seen ? BANDS : 0;
+    float place = pair.w / LARGEST_W;
+    float widest = table_row(place, 0).a;
+    bool seen = pair.factor.y > 0.0 && dot(pair.toward, pair.toward) < NOWHERE * (max(c.x, c.z) + widest);
+    // Bands differ by their variances, which matter the less the more the footprint averages: sums of 4, 16 and 64 bands of the 64 serve where it has 3, 15 and 63
+    // times the variance of a band.
+    float narrowest = 0.5 * (c.x + c.z) - length(vec2(0.5 * (c.x - c.z), c.y));
+    int first = 0;
+    int bands = BANDS;
+    for (float room = 4.0; bands > 1 && narrowest + widest > room * widest * 64.0 / float(BANDS); room *= 4.0) {
+        first += bands;
+        bands /= 4;
+    }
+    bands = seen ? bands : 0;
     vec3 sum = vec3(0.0);
-    for (int band = 0; band < bands; ++band) {
-        float variance = source.variances[band >> 2][band & 3];
-        sum += table_row(pair.w / LARGEST_W, band) * normal_density(c + vec3(variance, 0.0, variance), pair.toward);
+    for (int band = first; band < first + bands; ++band) {
+        vec4 lobe = table_row(place, band);
+        sum += lobe.rgb * normal_density(c + vec3(lobe.a, 0.0, lobe.a), pair.toward);
     }
     return sum * table_factor(pair);
 }
@@ -85,7 +95,7 @@ vec3 table_scattered(Pair pair, Footprint footprint) {
     float layer = float(TEXELS * piece.number);
     Numbers average = NOTHING;
     // Nothing is read if no light reaches the pixel.
-    int rows = pair.factor > 0.0 ? taps.rows : 0;
+    int rows = pair.factor.y > 0.0 ? taps.rows : 0;
     for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
         vec2 step = row.step * source.texture_per_uv;

@@ -33,6 +33,8 @@ pub enum Remedy {
     TableMethod,
     /// The f64 reference.
     ReferenceMethod,
+    /// The theory of the thesis, which has no limit of energy.
+    UnlimitedTheory,
     /// The optimal basis.
     OptimalBasis,
     /// Fewer terms of the expansion.
@@ -77,6 +79,7 @@ impl fmt::Display for Remedy {
             Self::SmallerPicture => "ask for a smaller picture",
             Self::AllWindows => "take the mean over all windows",
             Self::OneWindow => "take one window",
+            Self::UnlimitedTheory => "take Stam's theory, which has no limit of energy",
             Self::SpectralMethod => "take the spectral method",
             Self::TableMethod => "take a colour table",
             Self::ReferenceMethod => "take the f64 reference",

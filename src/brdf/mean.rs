@@ -3,7 +3,6 @@
 use super::seen_part::SeenPart;
 use super::spread::{CUT, NEAREST, Spread};
 use crate::filter::Covariance;
-use crate::optics::brdf::cosine_weighted;
 use crate::optics::coherence::SUNLIGHT_LENGTH;
 use crate::optics::geometry::Pair;
 use crate::optics::reflectance::Reflectance;
@@ -138,14 +137,13 @@ impl MeanBrdf<'_> {
         }
     }
 
-    /// Returns the BRDF \[sr⁻¹\] at `wavelength` \[µm\] by the direct sum; 0 below the horizon.
+    /// Returns the BRDF \[sr⁻¹\] at `wavelength` \[µm\] by the direct sum, without a limit of energy; 0 below the horizon.
     pub fn brdf(&self, pair: &Pair, wavelength: f64) -> f64 {
         if !pair.above_horizon() {
             return 0.0;
         }
         let power = self.power(pair.uvw(), 1.0 / wavelength, &Covariance::default());
-        let reflectance = self.reflectance.at(wavelength, pair.cos_half_angle());
-        reflectance * cosine_weighted(pair, wavelength, 1.0, power) / pair.light.z
+        self.reflectance.cosine_weighted(pair, wavelength, 1.0, power) / pair.light.z
     }
 }
 

@@ -1,9 +1,10 @@
 //! Mean over coherence areas as a [`Brdf`].
 
+use super::albedo::Decimation;
 use super::mean::MeanBrdf;
 use super::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
 use super::{Brdf, without_cosine};
-use crate::error::Result;
+use crate::error::{Remedy, Result};
 use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
@@ -37,7 +38,8 @@ impl<'a> MeanFromOrders<'a> {
             None => {
                 let shortest = SHORTEST * 0.5f64.powi(octave as i32);
                 let table =
-                    TabulatedMean::with_sampling(self.mean.clone(), shortest, self.sampling, &|_, _| Ok(()))?;
+                    TabulatedMean::with_sampling(self.mean.clone(), shortest, self.sampling, &|_, _| Ok(()))?
+                        .limited(Decimation::Coarse);
                 self.tables.push((octave, table));
                 self.tables.len() - 1
             }
@@ -63,10 +65,18 @@ impl Brdf for MeanFromOrders<'_> {
 
 fn spectral(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64) -> Vec<f64> {
     let one = |pair: &Pair| {
-        let weighted = table.cosine_weighted(pair, wavelength, &Covariance::default());
+        let weighted = table.unlimited(pair, wavelength, &Covariance::default());
         without_cosine(pair, DVec3::splat(weighted)).x
     };
-    pairs.par_iter().map(one).collect()
+    limited(table, pairs, wavelength, pairs.par_iter().map(one).collect())
+}
+
+/// Returns the `values` of `pairs` within the limit of energy of `table`.
+fn limited(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64, values: Vec<f64>) -> Vec<f64> {
+    match table.limit() {
+        Some(limit) => values.iter().zip(limit.limits(pairs, wavelength)).map(|(f, limit)| f / limit).collect(),
+        None => values,
+    }
 }
 
 fn xyz(table: &TabulatedMean<'_>, pairs: &[Pair], illuminant: &Illuminant) -> Result<Vec<DVec3>> {
@@ -99,7 +109,7 @@ impl<'a> MeanReference<'a> {
     fn table(&mut self) -> Result<&TabulatedMean<'a>> {
         let table = match self.table.take() {
             Some(table) => table,
-            None => TabulatedMean::new(self.mean.clone(), self.shortest, &|_, _| Ok(()))?,
+            None => TabulatedMean::new(self.mean.clone(), self.shortest, &|_, _| Ok(()))?.limited(Decimation::Fine),
         };
         Ok(self.table.insert(table))
     }
@@ -108,14 +118,20 @@ impl<'a> MeanReference<'a> {
 impl Brdf for MeanReference<'_> {
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
         self.answered += pairs.len();
-        if self.answered > WORTH_A_TABLE && !self.too_large {
+        let many = self.answered > WORTH_A_TABLE;
+        if many && !self.too_large {
             match self.table() {
                 Ok(table) => return Ok(spectral(table, pairs, wavelength)),
                 // The direct sum needs no memory.
                 Err(_) => self.too_large = true,
             }
         }
-        Ok(pairs.iter().map(|pair| self.mean.brdf(pair, wavelength)).collect())
+        let values = pairs.iter().map(|pair| self.mean.brdf(pair, wavelength)).collect();
+        if !self.mean.reflectance.is_limited() {
+            return Ok(values);
+        }
+        let table = self.table().map_err(|e| e.or(Remedy::UnlimitedTheory))?;
+        Ok(limited(table, pairs, wavelength, values))
     }
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {

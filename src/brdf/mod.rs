@@ -1,6 +1,8 @@
 //! Common interface to the BRDF, independent of the method.
 
+pub mod albedo;
 mod direct;
+pub mod energy_map;
 pub mod mean;
 mod mean_answers;
 mod orders;

@@ -1,11 +1,12 @@
 //! Orders of a periodic surface: their directions, and the shares of the light that they take.
 
+use super::albedo::{Decimation, DirectionalAlbedo};
 use super::mean::MeanBrdf;
 use super::tabulated::TabulatedMean;
 use crate::error::Result;
-use crate::optics::brdf::cosine_weighted;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::Progress;
+use crate::optics::theory::Theory;
 use crate::spectra::power::Beyond;
 use crate::surface::HeightField;
 use glam::{DVec2, DVec3};
@@ -20,8 +21,10 @@ pub struct DiffractionOrder {
     pub view: DVec3,
     /// Share of the incident light, ∫ f cos θ_r dω_r over the order, 0 to about 1.
     pub efficiency: f64,
-    /// Reflectance R at the half vector, a factor of the efficiency.
+    /// Reflectance with which Kirchhoff's factor has this efficiency: R at the half vector by Stam's theory.
     pub reflectance: f64,
+    /// Divisor by which the limit of energy made the order fainter; 1 where there is none.
+    pub limit: f64,
     /// Period of the grating whose first order this is \[µm\]; `None` for the specular order.
     pub period: Option<f64>,
 }
@@ -30,8 +33,9 @@ impl MeanBrdf<'_> {
     /// Returns the orders of copies of the patch that light from `light` = ω_i at `wavelength` \[µm\] sends above the horizon, by n and then by
     /// m. Those that the samples do not resolve are left out; there are none for light below the horizon.
     ///
-    /// Each takes R · G/w² · |c_m(k|w|)|² of the light, with G of B.13 \[Single 2014\]: ⟨|P|²⟩/A of [`crate::spectra::power`] holds the power
-    /// |c_m|² around the order, and du dv = cos θ_r dω_r. Few orders are summed directly, many are read from their series in z.
+    /// Each takes F/(w² cos θ_i) · |c_m(k|w|)|² of the light, with the [`Factor`](crate::optics::reflectance::Factor) F, which is R G cos θ_i by B.13 \[Single 2014\]: ⟨|P|²⟩/A of
+    /// [`crate::spectra::power`] holds the power |c_m|² around the order, and du dv = cos θ_r dω_r. Few orders are summed directly, many are read from their series in z. The limit of
+    /// energy of the theory, if it has one, is applied to each.
     ///
     /// # Errors
     /// Too little memory for the series; errors of `progress`.
@@ -44,39 +48,60 @@ impl MeanBrdf<'_> {
         let of_copies = Self { beyond: Beyond::Copies, ..self.clone() };
         let asked = propagating(self.field, light, wavelength);
         // A sum takes about as long as a term of the series.
-        let series = (asked.len() > TabulatedMean::terms(self.field, wavelength))
+        let is_many = asked.len() > TabulatedMean::terms(self.field, wavelength);
+        let series = (is_many || self.reflectance.is_limited())
             .then(|| TabulatedMean::new(of_copies.clone(), wavelength, progress))
             .transpose()?;
+        let limits = self.limits(&asked, series.as_ref(), wavelength);
         let order = |(i, &(numbers, pair)): (usize, &([i64; 2], Pair))| {
             // Powers stand at the frequencies of ω_i + ω_r = −(u, v).
             let (opposite, z) = (numbers.map(|m| -m), TAU / wavelength * pair.uvw().z.abs());
             let power = match &series {
-                Some(series) => series.order_power(opposite, z),
-                None => {
+                Some(series) if is_many => series.order_power(opposite, z),
+                _ => {
                     progress(i, asked.len())?;
                     of_copies.order_power(opposite, z)
                 }
             };
-            Ok(self.order(numbers, &pair, wavelength, power))
+            Ok(self.order(numbers, &pair, wavelength, power, limits.get(i).copied().unwrap_or(1.0)))
         };
         asked.iter().enumerate().map(order).collect()
     }
 
-    /// Returns the order `numbers` in the directions `pair`, of power |c_m|² = `power`.
-    fn order(&self, numbers: [i64; 2], pair: &Pair, wavelength: f64, power: f64) -> DiffractionOrder {
-        let reflectance = self.reflectance.at(wavelength, pair.cos_half_angle());
+    /// Returns the divisors of the orders in the directions `asked`; none without a limit.
+    fn limits(&self, asked: &[([i64; 2], Pair)], series: Option<&TabulatedMean<'_>>, wavelength: f64) -> Vec<f64> {
+        let pairs: Vec<Pair> = asked.iter().map(|(_, pair)| *pair).collect();
+        let albedo = |series: &TabulatedMean<'_>| -> DirectionalAlbedo {
+            // Each order is a direction: of many, the sum is over groups.
+            series.albedo(if pairs.len() > MANY { Decimation::Coarse } else { Decimation::Fine })
+        };
+        let limited = series.filter(|_| self.reflectance.is_limited());
+        limited.map_or_else(Vec::new, |series| albedo(series).limits(&pairs, wavelength))
+    }
+
+    /// Returns the order `numbers` in the directions `pair`, of power |c_m|² = `power`, divided by `limit`.
+    fn order(&self, numbers: [i64; 2], pair: &Pair, wavelength: f64, power: f64, limit: f64) -> DiffractionOrder {
         // ∫ du dv over the density of an order in f = (u, v)/λ is λ².
-        let share = cosine_weighted(pair, wavelength, 1.0, power * wavelength.powi(2)) / pair.light.z;
+        let in_order = power * wavelength.powi(2);
+        let weighted = self.reflectance.cosine_weighted(pair, wavelength, 1.0, in_order);
+        let factor = self.reflectance.at_wavelength(wavelength).factor(pair);
         let frequency = frequency(self.field, numbers).length();
         DiffractionOrder {
             numbers,
             view: pair.view,
-            efficiency: reflectance * share,
-            reflectance,
+            efficiency: weighted / pair.light.z / limit,
+            reflectance: match self.reflectance.theory() {
+                Theory::Stam => self.reflectance.at(wavelength, pair.cos_half_angle()),
+                Theory::SmallSlope => factor / pair.geometric_factor_times_cos_light(),
+            },
+            limit,
             period: (frequency > 0.0).then(|| 1.0 / frequency),
         }
     }
 }
+
+/// Number of orders above which the limit of each is summed over groups of orders.
+const MANY: usize = 2000;
 
 /// Returns (m/T_x, n/T_y) \[µm⁻¹\].
 fn frequency(field: &HeightField, numbers: [i64; 2]) -> DVec2 {
@@ -157,7 +182,7 @@ mod tests {
             let pair = Pair::new(light, order.view);
             let z = TAU / GREEN * pair.uvw().z.abs();
             let power = mean(&many).order_power(order.numbers.map(|m| -m), z);
-            let summed = mean(&many).order(order.numbers, &pair, GREEN, power).efficiency;
+            let summed = mean(&many).order(order.numbers, &pair, GREEN, power, order.limit).efficiency;
             let off = (order.efficiency - summed).abs();
             assert!(off < 1e-6 * summed + 1e-9 * brightest, "{:?}: {off:e} of {summed:e}", order.numbers);
         }

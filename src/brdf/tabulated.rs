@@ -1,13 +1,14 @@
 //! Mean over coherence areas in f64 for many directions: Fourier transforms at Chebyshev nodes in z give the power of
 //! every order, and a direction sums the few orders around it.
 
+use super::albedo::{Decimation, DirectionalAlbedo};
 use super::mean::MeanBrdf;
 use super::seen_part::SeenPart;
 use super::spread::{CUT, NEAREST, Spread};
 use crate::budget::ErrorBudget;
 use crate::error::Result;
 use crate::filter::Covariance;
-use crate::optics::brdf::cosine_weighted;
+use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::Progress;
 use crate::optics::quadrature::{SPAN, Wavelengths};
@@ -21,7 +22,7 @@ use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Nodes in z in addition to those required by the height range: the interpolation error falls below 1e-8 on every
 /// surface of the tests.
@@ -72,6 +73,7 @@ pub struct TabulatedMean<'a> {
     series: OrderSeries,
     // Made for the first average over many orders.
     pyramid: OnceLock<Pyramid>,
+    limit: Option<Arc<DirectionalAlbedo>>,
 }
 
 impl<'a> TabulatedMean<'a> {
@@ -102,7 +104,37 @@ impl<'a> TabulatedMean<'a> {
         transform.ensure_room()?;
         let series = OrderSeries::with_terms(&transform, &settings, terms, progress)?;
         progress(terms, terms)?;
-        Ok(Self { mean, sampling, series, pyramid: OnceLock::new() })
+        Ok(Self { mean, sampling, series, pyramid: OnceLock::new(), limit: None })
+    }
+
+    /// Returns the same mean within the limit of energy that its theory has.
+    pub fn limited(self, decimation: Decimation) -> Self {
+        let limit = self.mean.reflectance.is_limited().then(|| Arc::new(self.albedo(decimation)));
+        Self { limit, ..self }
+    }
+
+    /// Returns the limit of energy of a surface whose sums are not of its orders, for wavelengths from `shortest` \[µm\]; `None` where the theory has none, and for heights that are
+    /// too large for the sum over all orders.
+    ///
+    /// # Errors
+    /// Fails if there is not enough memory, or with the error of `progress`.
+    pub fn limit_of(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Option<Arc<DirectionalAlbedo>>> {
+        /// Most terms of the series in z: heights of 60 µm in visible light.
+        const MOST_TERMS: usize = 1024;
+        if !mean.reflectance.is_limited() || Self::terms(mean.field, shortest) > MOST_TERMS {
+            return Ok(None);
+        }
+        Ok(Some(Arc::new(Self::new(mean, shortest, progress)?.albedo(Decimation::Fine))))
+    }
+
+    /// Returns the directional albedo of the orders.
+    pub fn albedo(&self, decimation: Decimation) -> DirectionalAlbedo {
+        DirectionalAlbedo::new(&self.series, &self.mean.reflectance, decimation)
+    }
+
+    /// Returns the limit of energy, if there is one.
+    pub fn limit(&self) -> Option<&Arc<DirectionalAlbedo>> {
+        self.limit.as_ref()
     }
 
     /// Returns the number of terms in z, each of which takes a transform of `field`, for wavelengths from `shortest` \[µm\].
@@ -204,16 +236,27 @@ impl<'a> TabulatedMean<'a> {
 
     /// Returns f cos θ_i \[sr⁻¹\] of one pair at `wavelength` \[µm\], averaged over `footprint`.
     pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, footprint: &Covariance) -> f64 {
+        let limit = self.limit.as_ref().map_or(1.0, |limit| limit.single(pair, wavelength));
+        self.unlimited(pair, wavelength, footprint) / limit
+    }
+
+    /// Returns [`Self::cosine_weighted`] without the limit of energy.
+    pub fn unlimited(&self, pair: &Pair, wavelength: f64, footprint: &Covariance) -> f64 {
         self.weighted(pair, wavelength, |uvw, q| self.power(uvw, q, footprint))
     }
 
-    /// Returns f cos θ_i \[sr⁻¹\] for the `power` at (u, v, w) and a wavenumber.
+    /// Returns f cos θ_i \[sr⁻¹\] for the `power` at (u, v, w) and a wavenumber, without a limit.
     fn weighted(&self, pair: &Pair, wavelength: f64, power: impl Fn(DVec3, f64) -> f64) -> f64 {
         if !pair.above_horizon() {
             return 0.0;
         }
-        let reflectance = self.mean.reflectance.at(wavelength, pair.cos_half_angle());
-        reflectance * cosine_weighted(pair, wavelength, 1.0, power(pair.uvw(), 1.0 / wavelength))
+        let power = power(pair.uvw(), 1.0 / wavelength);
+        self.mean.reflectance.cosine_weighted(pair, wavelength, 1.0, power)
+    }
+
+    /// Returns the divisor by the limit of energy for a wavelength of a colour.
+    fn limit_in_colours(&self, pair: &Pair, wavelength: f64) -> f64 {
+        self.limit.as_ref().map_or(1.0, |limit| limit.in_colours(pair, wavelength))
     }
 
     /// Returns XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over its covariance, by these
@@ -239,11 +282,12 @@ impl<'a> TabulatedMean<'a> {
             progress(colours.len(), pairs.len())?;
             colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, footprint), count)| {
                 sets.get(count).map_or(DVec3::ZERO, |wavelengths| {
-                    wavelengths.integral(|wavelength| match orders {
-                        SummedOrders::All => self.cosine_weighted(pair, wavelength, footprint),
-                        SummedOrders::Scattered => {
-                            self.weighted(pair, wavelength, |uvw, q| self.scattered_power(uvw, q, footprint))
-                        }
+                    wavelengths.integral(|wavelength| {
+                        let power = |uvw, q| match orders {
+                            SummedOrders::All => self.power(uvw, q, footprint),
+                            SummedOrders::Scattered => self.scattered_power(uvw, q, footprint),
+                        };
+                        self.weighted(pair, wavelength, power) / self.limit_in_colours(pair, wavelength)
                     })
                 })
             }));
@@ -259,8 +303,9 @@ impl<'a> TabulatedMean<'a> {
             let pair = Pair::new(DVec3::new(-view.x, -view.y, view.z), *view);
             // The integral of the lobe's density over (u, v) is 1/q², and du dv = cos θ_i dω_i.
             let power = |uvw: DVec3, q: f64| self.specular_order(uvw, q) / (q * q);
-            wavelengths.integral(|wavelength| self.weighted(&pair, wavelength, power))
-                / view.z.max(f64::MIN_POSITIVE)
+            wavelengths.integral(|wavelength| {
+                self.weighted(&pair, wavelength, power) / self.limit_in_colours(&pair, wavelength)
+            }) / view.z.max(f64::MIN_POSITIVE)
         };
         views.par_iter().map(of).collect()
     }

@@ -1,5 +1,6 @@
 //! Settings of an export, and its table in the place of one that is baked.
 
+use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
 use crate::export::{ExportReader, ExportSettings, MaterialDescription};
 use crate::render::source::{Source, Table};
@@ -59,6 +60,7 @@ impl ExportedTable {
         }
         let asked = export_settings(&settings.optics, settings.footprints.shorter)?;
         self.description.check(field, &asked).map_err(|e| e.at(self.folder.display()))?;
-        Ok(Source::Table(Table { table: self.table.clone() }))
+        let energy = self.table.header.energy.as_deref().and_then(EnergyMap::of_points).map(Arc::new);
+        Ok(Source::Table(Table { table: self.table.clone(), energy }))
     }
 }

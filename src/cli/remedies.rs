@@ -18,6 +18,7 @@ fn option(remedy: &Remedy) -> Cow<'_, str> {
         Remedy::OneWindow => "use --windows 1x1",
         Remedy::SpectralMethod => "use --method spectral",
         Remedy::TableMethod => "use --method table",
+        Remedy::UnlimitedTheory => "use --theory stam, which has no limit of energy",
         Remedy::ReferenceMethod => "use --method reference",
         Remedy::OptimalBasis => "use --basis optimal",
         Remedy::FewerTerms => "ask for fewer --terms",

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Reflectance};
+use crate::optics::theory::Theory;
 use crate::output;
 use crate::picture_file::quoted;
 use crate::scene::{DisplaySettings, Scene};
@@ -180,7 +181,7 @@ impl Words {
                 self.option("ior", ior.to_string());
                 self.option("reflectance", DielectricLaw::Schlick.name());
             }
-            Reflectance::Fresnel { material, film, polarisation } => {
+            Reflectance::Fresnel { material, film, polarisation, theory } => {
                 match material.constant_index() {
                     Some(index) => self.option("ior", index.to_string()),
                     None => self.option("material", &material.name),
@@ -190,6 +191,9 @@ impl Words {
                 }
                 if *polarisation != Polarisation::None {
                     self.option("polarisation", polarisation.name());
+                }
+                if *theory != Theory::default() {
+                    self.option("theory", theory.name());
                 }
             }
         }

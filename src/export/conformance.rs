@@ -3,6 +3,7 @@
 
 use super::ExportSettings;
 use super::description::MeasuredErrors;
+use crate::brdf::albedo::Decimation;
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::tabulated::{SummedOrders, TabulatedMean};
 use crate::error::{Error, Result};
@@ -70,7 +71,7 @@ impl Conformance {
         let asked = questions(settings.footprint, table.header.coherence_blur.sqrt());
         let pairs: Vec<_> = asked.iter().map(|(pair, [dx, dy])| (*pair, covariance(*dx, *dy))).collect();
         let reflectance = mean.reflectance.clone();
-        let exact = TabulatedMean::new(mean, SHORTEST, progress)?;
+        let exact = TabulatedMean::new(mean, SHORTEST, progress)?.limited(Decimation::Coarse);
         let exact = exact.xyz(&settings.illuminant, &pairs, SummedOrders::All, progress)?;
         let reader = TableReader::new(table);
         let read: Vec<DVec3> =

@@ -2,6 +2,7 @@
 
 use super::{ExportSettings, ExportedMaterial};
 use crate::error::{Error, Result};
+use crate::optics::theory::Theory;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::surface::HeightField;
 use serde::{Deserialize, Serialize};
@@ -10,8 +11,10 @@ use std::collections::BTreeMap;
 
 /// Word by which an export is known.
 const FORMAT: &str = "diffract-material";
-/// Version of the format. It changes whenever a reader of the former one would misread an export.
-const VERSION: u64 = 1;
+/// Version of the format. It changes whenever a reader of the former one would misread an export. Version 1 had Stam's theory alone, and 16 bands of the specular order.
+const VERSION: u64 = 2;
+/// Oldest version that is read.
+const OLDEST: u64 = 1;
 
 /// Everything about an exported material but its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +39,9 @@ pub struct MaterialDescription {
     pub illuminant: Value,
     /// Reflectance of the surface, which the table holds.
     pub reflectance: Value,
+    /// Theory of the factor: `small-slope` or `stam`.
+    #[serde(default = "theory_of_version_1")]
+    pub theory: String,
     /// Errors of scalar theory for this surface and material, in words.
     pub scalar_theory: String,
     /// Relative error that was asked for.
@@ -163,6 +169,7 @@ impl MaterialDescription {
             beyond: settings.beyond.name().to_owned(),
             illuminant: serde_json::to_value(&settings.illuminant).unwrap_or_default(),
             reflectance: serde_json::to_value(&settings.reflectance).unwrap_or_default(),
+            theory: settings.reflectance.theory().name().to_owned(),
             scalar_theory: ScalarTheory::note(
                 field,
                 &settings.reflectance,
@@ -196,6 +203,9 @@ impl MaterialDescription {
             format!("beyond the patch it has {}, and {} is asked for", self.beyond, asked.beyond.name())
         } else if !same(&self.illuminant, &|| serde_json::to_value(&asked.illuminant)) {
             "it is of another illuminant".to_owned()
+        } else if self.theory != asked.reflectance.theory().name() {
+            let (has, wants) = (&self.theory, asked.reflectance.theory().name());
+            format!("it is by the theory {has}, and {wants} is asked for (--theory)")
         } else if !same(&self.reflectance, &|| serde_json::to_value(&asked.reflectance)) {
             "it is of another material".to_owned()
         } else if self.tolerance > asked.tolerance {
@@ -214,6 +224,13 @@ impl MaterialDescription {
         ))
     }
 
+    /// Adds the theory to the reflectance of a version that had one alone.
+    fn name_theory(&mut self) {
+        if let Some(fresnel) = self.reflectance.get_mut("Fresnel").and_then(Value::as_object_mut) {
+            fresnel.entry("theory").or_insert_with(|| self.theory.clone().into());
+        }
+    }
+
     /// Reads the text of `material.json`.
     ///
     /// # Errors
@@ -227,7 +244,11 @@ impl MaterialDescription {
             return Err(Error::failed("it is no description of a material", "give the folder of an export"));
         }
         match value["version"].as_u64() {
-            Some(VERSION) => serde_json::from_value(value).map_err(broken),
+            Some(OLDEST..=VERSION) => {
+                let mut found: Self = serde_json::from_value(value).map_err(broken)?;
+                found.name_theory();
+                Ok(found)
+            }
             Some(newer) if newer > VERSION => Err(Error::failed(
                 format!("it has version {newer} of the format, and this program reads version {VERSION}"),
                 "read it with a newer program, or export the material again",
@@ -238,6 +259,11 @@ impl MaterialDescription {
             )),
         }
     }
+}
+
+/// Returns the theory of exports that name none.
+fn theory_of_version_1() -> String {
+    Theory::Stam.name().to_owned()
 }
 
 /// True if `value` says that it describes a material, in whichever version.

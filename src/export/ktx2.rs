@@ -4,6 +4,7 @@
 //! Specification 2.0", Khronos Group; the data format descriptor is that of "Khronos Data Format Specification 1.3", section 5.
 
 use crate::error::{Error, Result};
+use crate::optics::energy::DirectionGrid;
 use crate::table::{ColorTable, SPECULAR_SAMPLES, TableHeader};
 use half::f16;
 use ktx2::Reader;
@@ -46,12 +47,17 @@ pub fn write(table: &ColorTable) -> Vec<u8> {
 }
 
 /// Returns the container of the functions of |w| and of the angle of the table of `header`: the rows of [`TableHeader::specular_rows`], then the cubics of
-/// each piece in a row, X, Y and Z of one coordinate after the other.
+/// each piece in a row, X, Y and Z of one coordinate after the other, then the rows of the limit of energy, if there is one.
 pub fn write_functions(header: &TableHeader) -> Vec<u8> {
     let mut texels = header.specular_rows();
     for piece in 0..header.basis.pieces {
         let end = texels.len() + SPECULAR_SAMPLES;
         texels.extend(header.basis.of_piece(piece).iter().flatten());
+        texels.resize(end, [0.0; 4]);
+    }
+    for row in header.energy.iter().flat_map(|points| points.chunks(DirectionGrid::SIDE)) {
+        let end = texels.len() + SPECULAR_SAMPLES;
+        texels.extend(row.iter().map(|[excess, passed]| [*excess, *passed, 0.0, 0.0]));
         texels.resize(end, [0.0; 4]);
     }
     container(&KtxTexture {

@@ -25,6 +25,8 @@ pub use conformance::{Conformance, ConformanceRow, PortErrors};
 pub use description::{FileSum, MaterialDescription, MeasuredErrors};
 pub use folder::{ExportReader, check_target, write};
 
+use crate::brdf::albedo::{Decimation, DirectionalAlbedo};
+use crate::brdf::energy_map::EnergyMap;
 use crate::brdf::mean::MeanBrdf;
 use crate::error::{Error, Result};
 use crate::optics::reflectance::Reflectance;
@@ -86,7 +88,11 @@ impl ExportedMaterial {
         if let Some(most) = settings.most_bytes {
             colours.finest = footprint_within(most, &series, colours.clone())?;
         }
-        let table = bake(&series, &colours, &|done, of| progress("colours", done, of))?;
+        let mut table = bake(&series, &colours, &|done, of| progress("colours", done, of))?;
+        table.header.energy = settings.reflectance.is_limited().then(|| {
+            let albedo = DirectionalAlbedo::new(&series, &settings.reflectance, Decimation::Coarse);
+            EnergyMap::new(&albedo, &settings.illuminant).points().to_vec()
+        });
         drop(series);
         let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
         let mean = MeanBrdf {

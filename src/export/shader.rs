@@ -3,6 +3,8 @@
 //! Both are put together from the shaders of this program, `shaders/table.glsl` and what it needs, with the numbers of the table as constants. Every name that they declare
 //! begins with `diffract`.
 
+use crate::optics::polarisation::Polarisation;
+use crate::optics::reflectance::IndexTriple;
 use crate::table::TableHeader;
 use std::collections::BTreeSet;
 
@@ -27,7 +29,9 @@ precision highp sampler2DArray;
 /// Textures of an export and the type of its numbers.
 const ACCESS: &str = include_str!("../../shaders/export/access.glsl");
 /// Further shaders that the function consists of, each after those that it calls.
-const PARTS: [&str; 5] = [
+const PARTS: [&str; 7] = [
+    include_str!("../../shaders/small_slope.glsl"),
+    include_str!("../../shaders/export/access_reads.glsl"),
     include_str!("../../shaders/pair.glsl"),
     include_str!("../../shaders/footprint.glsl"),
     include_str!("../../shaders/table.glsl"),
@@ -45,9 +49,12 @@ pub fn write(header: &TableHeader, language: ShaderLanguage) -> String {
         ShaderLanguage::GlslEs => GLSL_ES,
     };
     let mut text = ACCESS.to_owned() + &numbers(header);
-    for part in PARTS {
+    for (number, part) in PARTS.into_iter().enumerate() {
         text.push('\n');
         text.push_str(part);
+        if number == 0 {
+            text.push_str(&medium(header));
+        }
     }
     let text = prefixed(&text.replace(UNROLL, ""));
     let about = concat!(
@@ -62,9 +69,6 @@ pub fn write(header: &TableHeader, language: ShaderLanguage) -> String {
 fn numbers(header: &TableHeader) -> String {
     let grid = &header.grid;
     let number = |x: f64| format!("{:?}", x as f32);
-    let variances: Vec<String> = header.specular.variances.iter().map(|x| number(*x)).collect();
-    let variances: Vec<String> =
-        variances.chunks(4).map(|four| format!("vec4({})", four.join(", "))).collect();
     let values = [
         number(0.5 / grid.extent),
         number(header.coherence_blur),
@@ -73,13 +77,42 @@ fn numbers(header: &TableHeader) -> String {
         number(grid.growth.powi(-2)),
         number(header.basis.pieces as f64),
         number((grid.levels - 1) as f64),
-        format!("vec4[]({})", variances.join(", ")),
     ];
+    let bands = header.specular.variances.len();
+    let (rows, law) = ((4 * bands - 1) / 3 + 1, if header.indices.is_some() { SMALL_SLOPE_INDICES } else { SPECTRAL });
+    let polarisation = header.indices.map_or(Polarisation::None, |indices| indices.polarisation);
+    let polarisation = Polarisation::ALL.iter().position(|known| *known == polarisation).unwrap_or_default();
     format!(
-        "\nconst Table source = Table({});\n\nconst int TEXELS = {}; // that a direction reads at each place, of four coordinates each\n",
-        values.join(", "),
-        header.basis.texels()
+        "
+const Table source = Table({values});
+
+const int TEXELS = {texels}; // that a direction reads at each place, of four coordinates each
+const int BANDS = {bands}; // of wavelengths of the specular order
+const int FIRST_CUBIC = {rows}; // row of the cubics of the first piece
+const int FIRST_ENERGY = {first_energy}; // row of the first points of the limit of energy
+const int FACTOR_LAW = {law}; // see below
+const int POLARISATION = {polarisation}; // of the light: 0 none, 1 TE, 2 TM
+const bool LIMITED = {limited}; // whether the surface reflects no more than a flat one
+",
+        values = values.join(", "),
+        texels = header.basis.texels(),
+        first_energy = rows + header.basis.pieces,
+        limited = header.energy.is_some(),
     )
+}
+
+/// Laws of the factor, as in `shaders/pair.glsl`.
+const SPECTRAL: u32 = 0;
+const SMALL_SLOPE_INDICES: u32 = 4;
+
+/// Returns the refractive indices of the factor.
+fn medium(header: &TableHeader) -> String {
+    let triple = |of: fn(&IndexTriple) -> [f64; 3], other: f64| {
+        let [x, y, z] = header.indices.as_ref().map_or([other; 3], of).map(|x| format!("{:?}", x as f32));
+        format!("vec3({x}, {y}, {z})")
+    };
+    let (n, k) = (triple(|indices| indices.n, 1.0), triple(|indices| indices.k, 0.0));
+    format!("\nconst Medium medium = Medium({n}, {k});\n")
 }
 
 /// A piece of GLSL.
@@ -184,7 +217,6 @@ fn renamed(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::export::conformance::tests::small_table;
-    use crate::table::BANDS;
 
     #[test]
     fn names_of_the_outermost_scope_get_a_prefix_and_no_others() {
@@ -211,8 +243,9 @@ mod tests {
 
     #[test]
     fn the_place_of_the_cubics_is_that_of_the_functions() {
-        assert!(ACCESS.contains(&format!("const int FIRST_CUBIC = {};", BANDS + 2)));
-        assert!(ACCESS.contains(&format!("vec4 variances[{}];", BANDS / 4)));
+        let (_, table) = small_table();
+        let rows = table.header.specular_rows().len() / crate::table::SPECULAR_SAMPLES;
+        assert!(numbers(&table.header).contains(&format!("const int FIRST_CUBIC = {rows};")));
         assert!(ACCESS.contains(&format!("const float COLUMNS = {}.0;", crate::table::SPECULAR_SAMPLES)));
     }
 }

@@ -33,10 +33,10 @@ impl MeasuredBudget {
     /// Returns the budget of shading from `source` with `optics`; empty for a baseline.
     pub fn of(source: &Source, optics: &Optics) -> Self {
         let parts = match source {
-            Source::Window(Window { layers }) | Source::Grating(Grating { layers, .. }) => {
+            Source::Window(Window { layers, .. }) | Source::Grating(Grating { layers, .. }) => {
                 of_layers(layers, &optics.budget())
             }
-            Source::Table(Table { table }) => of_table(&table.header),
+            Source::Table(Table { table, .. }) => of_table(&table.header),
             Source::Thesis(_) | Source::ClassicalGrating(_) => return Self::default(),
         };
         let mut budget = Self { parts, tolerance: optics.tolerance };

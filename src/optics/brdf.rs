@@ -1,4 +1,4 @@
-//! Stam's BRDF around the power |P|²: everything in it that does not depend on the surface's shape.
+//! The BRDF around the power |P|²: everything in it that does not depend on the surface's shape or material.
 
 use super::geometry::Pair;
 use std::f64::consts::PI;
@@ -26,6 +26,12 @@ pub fn cosine_weighted(pair: &Pair, wavelength: f64, area: f64, power: f64) -> f
     let k = 2.0 * PI / wavelength;
     let w = pair.uvw().z;
     k * k * pair.geometric_factor_times_cos_light() / (4.0 * PI * PI * area * w * w) * power
+}
+
+/// Returns f·cos θ_i / F for a power `|P|²`, as [`cosine_weighted`] with a factor F in place of R G cos θ_i: k²/(4π² A w²) · |P|².
+pub fn per_factor(pair: &Pair, wavelength: f64, area: f64, power: f64) -> f64 {
+    let (k, w) = (2.0 * PI / wavelength, pair.uvw().z);
+    if w == 0.0 { 0.0 } else { k * k / (4.0 * PI * PI * area * w * w) * power }
 }
 
 #[cfg(test)]

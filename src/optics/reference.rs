@@ -4,8 +4,8 @@
 //! copies of the patch folded into W (see [`super::coherence`]). Several wavelengths of one pair are summed together:
 //! over wavenumbers of equal distance each sample's phase is a geometric sequence, so it costs one complex product.
 
-use super::brdf;
 use super::coherence::{Coherence, WindowedAxis};
+use super::energy::EnergyLimit;
 use super::geometry::Pair;
 use super::quadrature::{SPAN, Wavelengths};
 use super::reflectance::Reflectance;
@@ -16,6 +16,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Smallest number of nodes of the colour integral: 1 nm apart on average, the resolution of the colour tables.
 const COLOUR_NODES: usize = 401;
@@ -36,6 +37,7 @@ pub struct Reference<'a> {
     coherence: Coherence,
     windows: [u32; 2],
     reflectance: Reflectance,
+    limit: Option<Arc<dyn EnergyLimit>>,
 }
 
 impl<'a> Reference<'a> {
@@ -47,7 +49,12 @@ impl<'a> Reference<'a> {
         windows: [u32; 2],
         reflectance: impl Into<Reflectance>,
     ) -> Self {
-        Self { field, coherence, windows, reflectance: reflectance.into() }
+        Self { field, coherence, windows, reflectance: reflectance.into(), limit: None }
+    }
+
+    /// Returns the same sum within a limit of energy.
+    pub fn limited(self, limit: Option<Arc<dyn EnergyLimit>>) -> Self {
+        Self { limit, ..self }
     }
 
     /// Returns the BRDF \[sr⁻¹\] at `wavelength` \[µm\] (\[Single 2014\] B.12). 0 below the horizon and beyond the band limit of the
@@ -65,14 +72,13 @@ impl<'a> Reference<'a> {
             return vec![0.0; count];
         }
         let area = self.coherence.area(self.field.patch_size());
-        let cos_half_angle = pair.cos_half_angle();
         self.power(pair.uvw(), first, step, count)
             .into_iter()
             .enumerate()
             .map(|(j, power)| {
                 let wavelength = 1.0 / (first + j as f64 * step);
-                let reflectance = self.reflectance.at(wavelength, cos_half_angle);
-                reflectance * brdf::cosine_weighted(pair, wavelength, area, power)
+                let limit = self.limit.as_ref().map_or(1.0, |limit| limit.single(pair, wavelength));
+                self.reflectance.cosine_weighted(pair, wavelength, area, power) / limit
             })
             .collect()
     }
@@ -109,12 +115,11 @@ impl<'a> Reference<'a> {
     /// Returns XYZ of f·cos θ_i from |P|² \[µm⁴\] at each of `wavelengths`.
     pub(super) fn colour_of(&self, pair: &Pair, wavelengths: &Wavelengths, power: &[f64]) -> DVec3 {
         let area = self.coherence.area(self.field.patch_size());
-        let cos_half_angle = pair.cos_half_angle();
         let nodes = wavelengths.wavenumbers.iter().zip(&wavelengths.weights);
         let terms = nodes.zip(power).map(|((q, weight), power)| {
             let wavelength = 1.0 / q;
-            let reflectance = self.reflectance.at(wavelength, cos_half_angle);
-            *weight * (reflectance * brdf::cosine_weighted(pair, wavelength, area, *power))
+            let limit = self.limit.as_ref().map_or(1.0, |limit| limit.in_colours(pair, wavelength));
+            *weight * (self.reflectance.cosine_weighted(pair, wavelength, area, *power) / limit)
         });
         terms.sum()
     }

@@ -1,25 +1,29 @@
-//! Share of the light that a surface reflects: the factor R of the BRDF, at the half vector of the two directions.
+//! Share of the light that a surface reflects, and the factor in front of the power |P|² that follows from it by a [`Theory`].
 //!
 //! Materials have Fresnel's equations and a complex index n + ik, with fields that go as e^(−iωt), so that k ≥ 0 absorbs
 //! (Born & Wolf, *Principles of Optics*, 1.5 and 14.2). A thin film is the sum of its reflections (Airy's formula; 1.6 there). The thesis takes
 //! Schlick's approximation for one refractive index, which at 60° is a fifth below Fresnel's equations.
 
-use super::brdf::{schlick, schlick_from};
+use super::brdf::{cosine_weighted, per_factor, schlick, schlick_from};
+use super::geometry::Pair;
 use super::material::Material;
 use super::polarisation::Polarisation;
+use super::small_slope;
 use super::spectrum::{LONGEST, MIDDLE, SHORTEST, observer};
+use super::theory::Theory;
 use crate::error::{Error, Result};
 use crate::units;
+use glam::DVec3;
 use rustfft::num_complex::Complex64;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Factor R of a surface.
+/// Reflectance of a surface, with the theory of its factor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Reflectance {
-    /// Schlick's approximation for a dielectric of this refractive index at all wavelengths, as in the thesis.
+    /// Schlick's approximation for a dielectric of this refractive index at all wavelengths, with Stam's factor, as in the thesis.
     Schlick(f64),
     /// Fresnel's equations for a material below an optional thin film.
     Fresnel {
@@ -29,6 +33,8 @@ pub enum Reflectance {
         film: Option<Film>,
         /// Polarisation of the light.
         polarisation: Polarisation,
+        /// Theory of the factor, if there is no film.
+        theory: Theory,
     },
 }
 
@@ -116,17 +122,18 @@ impl fmt::Display for Reflectance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Schlick(ior) => write!(f, "refractive index {ior} by Schlick's approximation"),
-            Self::Fresnel { material, film, polarisation } => {
+            Self::Fresnel { material, film, polarisation, theory } => {
                 match material.constant_index() {
                     Some(ior) => write!(f, "refractive index {ior}")?,
                     None => write!(f, "{}", material.name)?,
                 }
                 film.map_or(Ok(()), |film| write!(f, " below a film of {film}"))?;
                 match polarisation {
-                    Polarisation::None => Ok(()),
-                    Polarisation::Te => write!(f, ", TE"),
-                    Polarisation::Tm => write!(f, ", TM"),
+                    Polarisation::None => {}
+                    Polarisation::Te => write!(f, ", TE")?,
+                    Polarisation::Tm => write!(f, ", TM")?,
                 }
+                if *theory == Theory::Stam { write!(f, ", Stam's factor") } else { Ok(()) }
             }
         }
     }
@@ -152,14 +159,64 @@ impl Reflectance {
 
     /// Returns Fresnel's equations for `material` below `film` in unpolarised light.
     pub fn of_material(material: Material, film: Option<Film>) -> Self {
-        Self::Fresnel { material, film, polarisation: Polarisation::None }
+        Self::Fresnel { material, film, polarisation: Polarisation::None, theory: Theory::default() }
     }
 
     /// Returns the reflectance of the same surface in light of this polarisation. Schlick's approximation has one for all.
     pub fn polarised(self, polarisation: Polarisation) -> Self {
         match self {
-            Self::Fresnel { material, film, .. } => Self::Fresnel { material, film, polarisation },
+            Self::Fresnel { material, film, theory, .. } => Self::Fresnel { material, film, polarisation, theory },
             Self::Schlick(_) => self,
+        }
+    }
+
+    /// Returns the reflectance of the same surface with the factor of `theory`. Schlick's approximation always has Stam's.
+    pub fn by(self, theory: Theory) -> Self {
+        match self {
+            Self::Fresnel { material, film, polarisation, .. } => Self::Fresnel { material, film, polarisation, theory },
+            Self::Schlick(_) => self,
+        }
+    }
+
+    /// Returns the theory of the factor: Stam's for Schlick's approximation and for films, whose two interfaces the small-slope approximation in
+    /// [`small_slope`] does not have.
+    pub fn theory(&self) -> Theory {
+        match self {
+            Self::Fresnel { film: None, theory, .. } => *theory,
+            _ => Theory::Stam,
+        }
+    }
+
+    /// Returns the theory that was asked for, which a film does not have.
+    pub fn stated_theory(&self) -> Theory {
+        match self {
+            Self::Fresnel { theory, .. } => *theory,
+            Self::Schlick(_) => Theory::Stam,
+        }
+    }
+
+    /// Returns true if the BRDF is limited so that the surface reflects no more than it gets: unless the user names Stam's theory or Schlick's
+    /// approximation.
+    pub fn is_limited(&self) -> bool {
+        matches!(self, Self::Fresnel { theory: Theory::SmallSlope, .. })
+    }
+
+    /// Returns f·cos θ_i for a power `|P|²` \[µm⁴\] seen through a window of effective area `area` = ∬ g² \[µm²\] at `wavelength` \[µm\], without a limit of
+    /// energy: k² F/(4π² A w²) · |P|², with F as in [`Self::factor`]. It is 0 below the horizon.
+    pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, area: f64, power: f64) -> f64 {
+        match self.theory() {
+            Theory::Stam => self.at(wavelength, pair.cos_half_angle()) * cosine_weighted(pair, wavelength, area, power),
+            Theory::SmallSlope => self.at_wavelength(wavelength).factor(pair) * per_factor(pair, wavelength, area, power),
+        }
+    }
+
+    /// Returns the factor at one wavelength.
+    pub fn at_wavelength(&self, wavelength: f64) -> Factor<'_> {
+        match self {
+            Self::Fresnel { material, film: None, polarisation, theory: Theory::SmallSlope } => {
+                Factor::SmallSlope { index: material.index(wavelength), polarisation: *polarisation }
+            }
+            _ => Factor::Stam { reflectance: self, wavelength },
         }
     }
 
@@ -171,11 +228,12 @@ impl Reflectance {
         }
     }
 
-    /// Returns the refractive index if R of unpolarised light depends on it alone: no film, no dispersion.
+    /// Returns the refractive index if the factor depends on it alone: no film, no dispersion, and by Stam's theory no polarisation.
     pub fn index(&self) -> Option<f64> {
         match self {
             Self::Schlick(ior) => Some(*ior),
-            Self::Fresnel { material, film: None, polarisation: Polarisation::None } => {
+            Self::Fresnel { material, film: None, theory: Theory::SmallSlope, .. } => material.constant_index(),
+            Self::Fresnel { material, film: None, polarisation: Polarisation::None, .. } => {
                 material.constant_index()
             }
             Self::Fresnel { .. } => None,
@@ -196,14 +254,14 @@ impl Reflectance {
     pub fn at(&self, wavelength: f64, cos_half_angle: f64) -> f64 {
         match self {
             Self::Schlick(ior) => schlick(*ior, cos_half_angle),
-            Self::Fresnel { material, film, polarisation } => {
+            Self::Fresnel { material, film, polarisation, .. } => {
                 let index = material.index(wavelength);
                 polarisation.share(fresnel(index, *film, wavelength, cos_half_angle.clamp(0.0, 1.0)))
             }
         }
     }
 
-    /// Returns true if R is tabulated over angle and wavelength and stands inside the sums over wavelengths.
+    /// Returns true if the factor depends on the wavelength, or on a polarisation by Stam's theory, and stands inside the sums over wavelengths.
     pub fn is_spectral(&self) -> bool {
         self.index().is_none()
     }
@@ -219,29 +277,35 @@ impl Reflectance {
     /// Returns true if shaders that are compiled for one serve the other.
     pub fn shares_stages_with(&self, other: &Self) -> bool {
         let indices = self.index().is_some() && other.index().is_some();
-        indices && self.law() == other.law() || self == other
+        let alike = self.law() == other.law()
+            && self.theory() == other.theory()
+            && self.polarisation() == other.polarisation();
+        indices && alike || self == other
     }
 
     /// Returns the share of light that does not reach the pigment below the surface. For tabulated R it is Schlick's form from the luminous
     /// mean of R at normal incidence. Materials that absorb light within a few micrometres hide the pigment.
     pub fn kept_from_pigment(&self, cos_half_angle: f64) -> f64 {
         match self.index() {
-            Some(_) => self.at(MIDDLE, cos_half_angle),
+            Some(_) => self.clone().polarised(Polarisation::None).at(MIDDLE, cos_half_angle),
             None => schlick_from(self.normal_of_pigment(), cos_half_angle),
         }
     }
 
     /// Returns [`Self::kept_from_pigment`] at normal incidence.
     pub fn normal_of_pigment(&self) -> f64 {
-        /// A material that is darker than 1/e at this depth hides the pigment \[µm\].
-        const OPAQUE_WITHIN: f64 = 10.0;
         match self {
             Self::Schlick(ior) => schlick(*ior, 1.0),
-            Self::Fresnel { material, .. } => {
-                let opaque = material.index(MIDDLE).im * 4.0 * PI / MIDDLE * OPAQUE_WITHIN > 1.0;
-                if opaque { 1.0 } else { self.luminous_normal() }
-            }
+            Self::Fresnel { .. } if self.is_opaque() => 1.0,
+            Self::Fresnel { .. } => self.luminous_normal(),
         }
+    }
+
+    /// Returns true if the material hides the pigment, because it absorbs light within a few micrometres.
+    pub fn is_opaque(&self) -> bool {
+        /// A material that is darker than 1/e at this depth hides the pigment \[µm\].
+        const OPAQUE_WITHIN: f64 = 10.0;
+        self.index_at(MIDDLE).im * 4.0 * PI / MIDDLE * OPAQUE_WITHIN > 1.0
     }
 
     /// Returns the mean of R at normal incidence over the visible range, weighted by the eye's sensitivity.
@@ -267,6 +331,24 @@ impl Reflectance {
         sum / total
     }
 
+    /// Returns n + ik of the material at `wavelength` \[µm\].
+    pub fn index_at(&self, wavelength: f64) -> Complex64 {
+        match self {
+            Self::Schlick(ior) => Complex64::from(*ior),
+            Self::Fresnel { material, .. } => material.index(wavelength),
+        }
+    }
+
+    /// Returns n and k at [`ROWS`] equal steps of the wavenumber over the visible range, ends included.
+    pub fn indices(&self) -> Vec<[f32; 4]> {
+        let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
+        let at = |row: usize| {
+            let index = self.index_at(1.0 / (first + (last - first) * row as f64 / (ROWS - 1) as f64));
+            [index.re as f32, index.im as f32, 0.0, 0.0]
+        };
+        (0..ROWS).map(at).collect()
+    }
+
     /// Returns R at [`ROWS`] equal steps of the wavenumber over the visible range and [`COLUMNS`] equal steps of the cosine over 0 … 1, ends
     /// included, row by row. Shaders interpolate between them.
     pub fn table(&self) -> Vec<f32> {
@@ -278,6 +360,109 @@ impl Reflectance {
                 (0..COLUMNS).map(move |column| self.at(wavelength, step(column, COLUMNS)) as f32)
             })
             .collect()
+    }
+}
+
+/// Refractive indices n + ik that stand for X, Y and Z in the factor of a colour, whose sums over wavelengths contain the ratio of |B|² to that of the index.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IndexTriple {
+    /// n for X, Y and Z.
+    pub n: [f64; 3],
+    /// k for X, Y and Z.
+    pub k: [f64; 3],
+    /// Polarisation of the light.
+    pub polarisation: Polarisation,
+}
+
+impl IndexTriple {
+    /// Returns the indices of `reflectance` at the wavelengths around which X, Y and Z have most of their light.
+    pub fn of(reflectance: &Reflectance) -> Self {
+        /// Centroids of the larger lobe of x̄, of ȳ and of z̄ in daylight \[µm\].
+        const CENTRES: [f64; 3] = [0.595, 0.557, 0.449];
+        let indices = CENTRES.map(|wavelength| reflectance.index_at(wavelength));
+        Self { n: indices.map(|n| n.re), k: indices.map(|n| n.im), polarisation: reflectance.polarisation() }
+    }
+
+    /// Returns n + ik for X, Y and Z.
+    pub fn complex(&self) -> [Complex64; 3] {
+        [0, 1, 2].map(|i| Complex64::new(self.n[i], self.k[i]))
+    }
+
+    /// Returns |B|² of `pair` for X, Y and Z.
+    pub fn intensity(&self, pair: &Pair) -> [f64; 3] {
+        self.complex().map(|index| small_slope::intensity(index, pair, self.polarisation))
+    }
+
+    /// Returns true if the numbers can be those of a material.
+    pub fn is_sound(&self) -> bool {
+        self.n.iter().all(|n| n.is_finite() && *n > 0.0) && self.k.iter().all(|k| k.is_finite() && *k >= 0.0)
+    }
+}
+
+/// Factor F for light from one direction at one wavelength.
+pub enum IncidentFactor<'a> {
+    /// Stam's.
+    Stam(Factor<'a>, DVec3),
+    /// That of the small-slope approximation.
+    SmallSlope(small_slope::Incidence, DVec3),
+}
+
+impl IncidentFactor<'_> {
+    /// Returns F toward `view`; 0 below the horizon.
+    pub fn toward(&self, view: DVec3) -> f64 {
+        match self {
+            Self::Stam(factor, light) => factor.factor(&Pair::new(*light, view)),
+            Self::SmallSlope(_, light) if light.z <= 0.0 || view.z <= 0.0 => 0.0,
+            Self::SmallSlope(incidence, light) => 4.0 * light.z * light.z * view.z * incidence.intensity(view),
+        }
+    }
+}
+
+/// Factor F of f cos θ_i = k² F/(4π² A w²) · |P|² at one wavelength.
+#[derive(Clone, Copy, Debug)]
+pub enum Factor<'a> {
+    /// R G cos θ_i (\[Single 2014\] B.12).
+    Stam {
+        /// Reflectance R.
+        reflectance: &'a Reflectance,
+        /// Wavelength \[µm\].
+        wavelength: f64,
+    },
+    /// 4 cos² θ_i cos θ_r |B|² ([`small_slope`]).
+    SmallSlope {
+        /// Refractive index n + ik.
+        index: Complex64,
+        /// Polarisation of the light.
+        polarisation: Polarisation,
+    },
+}
+
+impl<'a> Factor<'a> {
+    /// Returns F for light from the direction `light`.
+    pub fn of_light(self, light: DVec3) -> IncidentFactor<'a> {
+        match self {
+            Self::Stam { .. } => IncidentFactor::Stam(self, light),
+            Self::SmallSlope { index, polarisation } => {
+                IncidentFactor::SmallSlope(small_slope::Incidence::new(index, light, polarisation), light)
+            }
+        }
+    }
+
+    /// Returns F of `pair`; 0 below the horizon.
+    pub fn factor(&self, pair: &Pair) -> f64 {
+        if !pair.above_horizon() {
+            return 0.0;
+        }
+        match self {
+            Self::Stam { reflectance, wavelength } => {
+                reflectance.at(*wavelength, pair.cos_half_angle()) * pair.geometric_factor_times_cos_light()
+            }
+            Self::SmallSlope { index, polarisation } => {
+                let cosines = 4.0 * pair.light.z * pair.light.z * pair.view.z;
+                cosines * small_slope::intensity(*index, pair, *polarisation)
+            }
+        }
     }
 }
 

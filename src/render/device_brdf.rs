@@ -2,8 +2,10 @@
 
 use super::evaluator::{AT_ONCE, Evaluator, Query};
 use super::source::Source;
+use crate::brdf::albedo::DirectionalAlbedo;
 use crate::brdf::{Brdf, without_cosine};
 use crate::error::Result;
+use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
@@ -19,6 +21,7 @@ use std::sync::Arc;
 pub struct DeviceBrdf {
     evaluator: Evaluator,
     grating: Option<PeriodicFactor>,
+    limit: Option<Arc<DirectionalAlbedo>>,
 }
 
 impl DeviceBrdf {
@@ -35,12 +38,20 @@ impl DeviceBrdf {
             }),
             _ => None,
         };
-        Ok(Self { evaluator: Evaluator::new(device, source, optics)?, grating })
+        Ok(Self { evaluator: Evaluator::new(device, source, optics)?, grating, limit: None })
+    }
+
+    /// Returns the same BRDF with single wavelengths within a limit of energy; colours have that of the source.
+    pub fn limited(self, limit: Option<Arc<DirectionalAlbedo>>) -> Self {
+        Self { limit, ..self }
     }
 
     fn ask(&mut self, pairs: &[Pair], wavelength: Option<f64>) -> Result<Vec<DVec3>> {
         let weighted = match &self.grating {
-            Some(grating) => grating.cosine_weighted(&mut self.evaluator, pairs, wavelength)?,
+            Some(grating) => {
+                let limit = self.limit.as_deref().filter(|_| wavelength.is_none());
+                grating.cosine_weighted(&mut self.evaluator, pairs, wavelength, limit)?
+            }
             None => {
                 let queries: Vec<Query> = pairs.iter().map(|&pair| Query { pair, wavelength }).collect();
                 self.evaluator.cosine_weighted(&queries)?
@@ -52,7 +63,11 @@ impl DeviceBrdf {
 
 impl Brdf for DeviceBrdf {
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
-        Ok(self.ask(pairs, Some(wavelength))?.into_iter().map(|f| f.x).collect())
+        let values = self.ask(pairs, Some(wavelength))?.into_iter().map(|f| f.x);
+        Ok(match &self.limit {
+            Some(limit) => values.zip(limit.limits(pairs, wavelength)).map(|(f, limit)| f / limit).collect(),
+            None => values.collect(),
+        })
     }
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
@@ -74,12 +89,13 @@ struct PeriodicFactor {
 
 impl PeriodicFactor {
     /// Returns f·cos θ_i \[sr⁻¹\] of every pair: the value at `wavelength` \[µm\] in all three components, or the XYZ
-    /// of the colour.
+    /// of the colour, whose wavelengths are divided by `limit`.
     fn cosine_weighted(
         &self,
         evaluator: &mut Evaluator,
         pairs: &[Pair],
         wavelength: Option<f64>,
+        limit: Option<&DirectionalAlbedo>,
     ) -> Result<Vec<DVec3>> {
         let mut sums = vec![DVec3::ZERO; pairs.len()];
         // Responses of one period, each with the pair that it belongs to and its weight there.
@@ -87,7 +103,10 @@ impl PeriodicFactor {
         for (place, &pair) in pairs.iter().enumerate() {
             let Wavelengths { wavenumbers, weights } = self.wavelengths(&pair, wavelength)?;
             let single = |q: f64| Query { pair, wavelength: Some(1.0 / q) };
-            asked.extend(wavenumbers.into_iter().zip(weights).map(|(q, weight)| (single(q), place, weight)));
+            let divisor = |q: f64| limit.map_or(1.0, |limit| limit.in_colours(&pair, 1.0 / q));
+            asked.extend(
+                wavenumbers.into_iter().zip(weights).map(|(q, weight)| (single(q), place, weight / divisor(q))),
+            );
             if asked.len() >= AT_ONCE {
                 add(evaluator, &mut asked, &mut sums)?;
             }

@@ -5,13 +5,16 @@ use super::directions::Directions;
 use super::frame::{Shown, View};
 use super::light_passes::{LightPass, SampleGroup};
 use super::sampling::{PixelWeights, Sampling};
+use crate::brdf::albedo::{Decimation, DirectionalAlbedo};
+use crate::brdf::energy_map::EnergyMap;
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
 use crate::brdf::without_cosine;
 use crate::error::Result;
 use crate::filter::Covariance;
-use crate::optics::coherence::Windows;
+use crate::optics::coherence::{SUNLIGHT_LENGTH, Windows};
 use crate::optics::color::{self, xyz_to_linear_srgb};
+use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
@@ -21,6 +24,7 @@ use crate::settings::Optics;
 use crate::surface::HeightField;
 use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Shades `directions` (one entry per light of `view`) in f64. Returns RGBA as [`super::renderer::Picture::radiance`]. A
 /// pigment texture is ignored.
@@ -62,6 +66,7 @@ pub fn reference_pixels(
 pub struct PixelReference<'a> {
     optics: &'a Optics,
     by: By<'a>,
+    limit: Option<Arc<DirectionalAlbedo>>,
 }
 
 enum By<'a> {
@@ -90,23 +95,30 @@ impl<'a> PixelReference<'a> {
         sampling: ColourSampling,
         progress: Progress<'_>,
     ) -> Result<Self> {
-        let by = match (optics.windows, optics.coherence.sigma()) {
+        let sigma = optics.coherence.sigma();
+        let mean = |sigma| MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
+        let (by, limit) = match (optics.windows, sigma) {
             (Windows::All, Some(sigma)) => {
-                let mean =
-                    MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
-                By::Mean(Box::new(TabulatedMean::with_sampling(mean, SHORTEST, sampling, progress)?))
+                let table = TabulatedMean::with_sampling(mean(sigma), SHORTEST, sampling, progress)?;
+                let table = table.limited(Decimation::Coarse);
+                let limit = table.limit().cloned();
+                (By::Mean(Box::new(table)), limit)
             }
             (windows, _) => {
                 let windows = windows.grid().unwrap_or([1, 1]);
-                By::Windows(Reference::new(field, optics.coherence, windows, optics.reflectance.clone()))
+                let of_sunlight = mean(sigma.unwrap_or(SUNLIGHT_LENGTH / 4.0));
+                let limit = TabulatedMean::limit_of(of_sunlight, SHORTEST, progress)?;
+                let sum = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
+                let sum = sum.limited(limit.clone().map(|limit| limit as Arc<dyn EnergyLimit>));
+                (By::Windows(sum), limit)
             }
         };
-        Ok(Self { optics, by })
+        Ok(Self { optics, by, limit })
     }
 
     /// Makes the reference of an object that does not diffract.
     pub fn of_pigment(optics: &'a Optics) -> Self {
-        Self { optics, by: By::Nothing }
+        Self { optics, by: By::Nothing, limit: None }
     }
 
     /// Returns the linear sRGB colours of the pixels with the numbers `pixels`, which show object number `object`. The mean is averaged over the
@@ -134,19 +146,30 @@ impl<'a> PixelReference<'a> {
                 progress(number * of + done, lights * of)
             })?;
             let white = xyz_to_linear_srgb(illuminant.white());
+            let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
             for ((color, &i), ((pair, _), xyz)) in
                 colors.iter_mut().zip(pixels).zip(asked.iter().zip(diffracted))
             {
                 if !pair.above_horizon() {
                     continue;
                 }
-                let reflectance = self.optics.reflectance.kept_from_pigment(pair.cos_half_angle());
-                let pigmented = white * base_color * ((1.0 - reflectance) * pair.light.z / PI);
+                let passed = self.passed_to_pigment(pair, energy.as_ref());
+                let pigmented = white * base_color * (passed * pair.light.z / PI);
                 *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance(i) * PI;
             }
             self.add_mirrored(seen, pixels, &mut colors);
         }
         Ok(colors)
+    }
+
+    /// Returns the share of light that passes the surface to the pigment and back.
+    fn passed_to_pigment(&self, pair: &Pair, energy: Option<&EnergyMap>) -> f64 {
+        let reflectance = &self.optics.reflectance;
+        match energy {
+            Some(_) if reflectance.is_opaque() => 0.0,
+            Some(energy) => energy.pigment(pair),
+            None => 1.0 - reflectance.kept_from_pigment(pair.cos_half_angle()),
+        }
     }
 
     /// Returns f \[sr⁻¹\] of `pair` at each of `wavelengths` \[µm\], not averaged over a footprint; 0 below the

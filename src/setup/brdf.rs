@@ -1,10 +1,11 @@
 //! BRDF of a height field by the chosen method.
 
-use super::{InUse, Progress, SourceSettings, source};
+use super::{InUse, Progress, SourceSettings, single_limit, source};
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::{Brdf, DirectSum, MeanFromOrders, MeanReference};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
+use crate::optics::energy::EnergyLimit;
 use crate::optics::reference::Reference;
 use crate::render::device_brdf::DeviceBrdf;
 use crate::settings::{Method, Optics};
@@ -41,7 +42,11 @@ pub fn for_each_window(
             return ask(&mut MeanReference::new(mean()?, illuminant, settings.shortest), 1.0);
         }
         (Method::Reference, Windows::Grid(windows)) => {
+            let (limit, too_high) = single_limit(field, settings, progress)?;
+            too_high.iter().for_each(note);
+            let limit = limit.map(|limit| limit as Arc<dyn EnergyLimit>);
             let reference = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
+            let reference = reference.limited(limit);
             return ask(&mut DirectSum { reference, illuminant }, 1.0);
         }
         (Method::Spectral, Windows::All) => {
@@ -50,6 +55,11 @@ pub fn for_each_window(
         _ => {}
     }
     let device = device()?;
+    // Colour tables have no single wavelengths.
+    let limit = match optics.method {
+        Method::Table => None,
+        _ => single_limit(field, settings, progress)?.0,
+    };
     // Colour tables contain the average.
     let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
     let one = match optics.windows {
@@ -65,7 +75,7 @@ pub fn for_each_window(
         if let Some(error) = &made.note {
             note(error);
         }
-        let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?;
+        let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?.limited(limit.clone());
         drop(made);
         ask(&mut brdf, 1.0 / (f64::from(n) * f64::from(m)))?;
     }

@@ -1,13 +1,16 @@
 //! Preparation of sources from a height field and settings; used by every command and by the viewer.
 
 mod brdf;
+mod energy;
 mod picture;
 mod pipelines;
 
 pub use brdf::for_each_window;
+pub use energy::{colour_limit, single_limit};
 pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, picture};
 pub use pipelines::{keep_pipelines, load_pipelines};
 
+use crate::brdf::energy_map::EnergyMap;
 use crate::budget::{ErrorBudget, Purpose};
 use crate::cache::{Kept, Key, Store};
 use crate::error::{Error, Remedy, Result};
@@ -69,6 +72,7 @@ pub struct Made {
 pub struct InUse {
     layers: Known<Layers>,
     tables: Known<ColorTable>,
+    energies: Known<EnergyMap>,
     series: Option<KeptSeries>,
 }
 
@@ -126,8 +130,21 @@ pub fn source(
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<Made> {
+    settings.optics.check()?;
+    let Made { source, note } = unlimited_source(field, settings, limits, in_use, progress)?;
+    let (energy, other) = colour_limit(field, settings, in_use, progress)?;
+    Ok(Made { source: source.limited(energy), note: note.or(other) })
+}
+
+/// Returns [`source`] without a limit of energy.
+fn unlimited_source(
+    field: &HeightField,
+    settings: &SourceSettings,
+    limits: &Candidate,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<Made> {
     let optics = &settings.optics;
-    optics.check()?;
     match (optics.method, optics.coherence) {
         (Method::Reference, _) => Err(Error::usage(
             "the f64 reference has no device to shade on",
@@ -135,7 +152,7 @@ pub fn source(
         )),
         (Method::Table, _) => {
             let (table, note) = table(field, settings, limits, in_use, progress)?;
-            Ok(Made { source: Source::Table(Table { table }), note })
+            Ok(Made { source: Source::Table(Table { table, energy: None }), note })
         }
         (Method::Spectral, Coherence::Gaussian { length }) => {
             let (layers, note) = layers(field, settings, length / 4.0, limits, in_use, progress)?;
@@ -147,7 +164,7 @@ pub fn source(
             let begun = field.begun_at(settings.shift);
             let settings = SourceSettings { shift: [0.0; 2], ..settings.clone() };
             let (layers, note) = layers(&begun, &settings, f64::INFINITY, limits, in_use, progress)?;
-            Ok(Made { source: Source::Grating(Grating { layers, repeats }), note })
+            Ok(Made { source: Source::Grating(Grating { layers, repeats, energy: None }), note })
         }
     }
 }
@@ -241,7 +258,7 @@ impl Wanted {
 /// Returns a source that does not diffract, so that the pigment alone is visible. It takes no time to make.
 pub fn pigment_alone() -> Source {
     static DARK: LazyLock<Arc<ColorTable>> = LazyLock::new(|| Arc::new(ColorTable::dark()));
-    Source::Table(Table { table: DARK.clone() })
+    Source::Table(Table { table: DARK.clone(), energy: None })
 }
 
 /// Returns the default continuation of the surface beyond a patch like `field`: copies if they join without visible

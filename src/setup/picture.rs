@@ -86,8 +86,9 @@ impl ObjectSurface {
         let field = object.surface.as_ref().map(load).transpose()?;
         let mut source = settings.clone();
         source.optics.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
-        let polarisation = source.optics.reflectance.polarisation();
-        source.optics.reflectance = object.reflectance.clone().unwrap_or_default().polarised(polarisation);
+        let first = &source.optics.reflectance;
+        let reflectance = object.reflectance.clone().unwrap_or_default().polarised(first.polarisation());
+        source.optics.reflectance = reflectance.by(first.stated_theory());
         let prepared = Self { field, source };
         prepared.check_heights()?;
         Ok(prepared)

@@ -8,8 +8,9 @@ use super::sums::{DirectionWavelengths, Scratch, Sums};
 use super::{ColorTable, TableHeader, TableSettings};
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
-use crate::optics::reflectance::MeanReflectance;
+use crate::optics::reflectance::{IndexTriple, MeanReflectance};
 use crate::optics::spectrum::{BLUE, MIDDLE};
+use crate::optics::theory::Theory;
 use crate::spectra::power::{OrderReader, OrderSeries, Square};
 use glam::{DVec2, Vec4};
 use half::f16;
@@ -53,7 +54,9 @@ pub fn bake(
     }
     progress(1, 1)?;
     let specular = Specular::new(series, settings);
-    let mean_reflectance = settings.reflectance.as_ref().map(MeanReflectance::new);
+    let held = settings.reflectance.as_ref();
+    let mean_reflectance = held.filter(|r| r.theory() == Theory::Stam).map(MeanReflectance::new);
+    let indices = held.filter(|r| r.theory() == Theory::SmallSlope).map(IndexTriple::of);
     let header = TableHeader {
         grid,
         budget: settings.budget,
@@ -65,6 +68,8 @@ pub fn bake(
         coherence_blur,
         effective_orders,
         mean_reflectance,
+        indices,
+        energy: None,
     };
     Ok(ColorTable { header, levels })
 }

@@ -2,16 +2,17 @@
 
 use super::basis::{MOST_COMPONENTS, MOST_PIECES, PER_TEXEL};
 use super::grid::MOST_LEVELS;
-use super::{BANDS, ColorBasis, ColorTable, SPECULAR_SAMPLES, TableHeader};
+use super::{BANDS, ColorBasis, ColorTable, FORMER_BANDS, SPECULAR_SAMPLES, TableHeader};
 use crate::cache::{EntryFormat, Kept, Payload, count, positive};
-use crate::optics::reflectance::MeanReflectance;
+use crate::brdf::energy_map::EnergyMap;
+use crate::optics::reflectance::{IndexTriple, MeanReflectance};
 
 /// Limit of all sides, larger than any side of a texture.
 const LARGEST_SIDE: usize = 1 << 16;
 
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 18 };
+    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 19 };
     type Header = TableHeader;
 
     fn header(&self) -> TableHeader {
@@ -49,17 +50,21 @@ pub(super) fn is_sound(header: &TableHeader) -> bool {
         basis_error,
         effective_orders,
         mean_reflectance,
+        indices,
+        energy,
     } = header;
     (1..=MOST_LEVELS).contains(&grid.levels)
         && (1..=LARGEST_SIDE).contains(&grid.side)
         && grid.side.is_multiple_of(1 << (grid.levels - 1))
         && positive(&[grid.extent, grid.growth, *unit, *coherence_blur, *effective_orders])
         && mean_reflectance.as_ref().is_none_or(MeanReflectance::is_sound)
+        && indices.as_ref().is_none_or(IndexTriple::is_sound)
+        && energy.as_ref().is_none_or(|points| EnergyMap::are_sound(points))
         && [grid.finest, *series_error, *basis_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
         && is_sound_basis(basis)
-        && specular.variances.len() == BANDS
+        && [BANDS, FORMER_BANDS].contains(&specular.variances.len())
         && positive(&specular.variances)
-        && specular.weights.len() == BANDS
+        && specular.weights.len() == specular.variances.len()
         && specular.weights.iter().all(|band| {
             band.len() == SPECULAR_SAMPLES && band.iter().flatten().all(|weight| weight.is_finite())
         })

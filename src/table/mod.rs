@@ -14,6 +14,7 @@ mod bake;
 mod basis;
 mod cache;
 mod grid;
+mod held;
 mod projection;
 mod read;
 mod specular;
@@ -23,14 +24,13 @@ pub use bake::{PlannedTable, bake};
 pub use basis::{ColorBasis, Cubics};
 pub use grid::TableGrid;
 pub use read::TableReader;
-pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
+pub use specular::{BANDS, FORMER_BANDS, SPECULAR_SAMPLES, Specular};
 
 use crate::budget::{ErrorBudget, MeanBudget};
-use crate::optics::reflectance::{MeanReflectance, Reflectance};
+use crate::optics::reflectance::{IndexTriple, MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::EVEN;
 use crate::surface::MAX_SIDE;
-use glam::Vec3;
 use half::f16;
 use serde::{Deserialize, Serialize};
 
@@ -112,11 +112,17 @@ pub struct TableHeader {
     /// Mean reflectance by which the colours are divided if R depends on the wavelength; it has the larger part of the dependence on the
     /// angle. The factor belongs to the direction of the pixel, not to the directions in its footprint.
     pub mean_reflectance: Option<MeanReflectance>,
+    /// Refractive indices of the factor in front by the small-slope approximation, if the table is of one material.
+    #[serde(default)]
+    pub indices: Option<IndexTriple>,
+    /// Limit of energy of an exported material, at the points of a [`DirectionGrid`](crate::optics::energy::DirectionGrid): [`EnergyMap::points`](crate::brdf::energy_map::EnergyMap::points).
+    #[serde(default)]
+    pub energy: Option<Vec<[f32; 2]>>,
 }
 
 impl TableHeader {
-    /// Returns [`BANDS`] + 2 rows of [`SPECULAR_SAMPLES`] texels: XYZ of each band of the specular order over |w|, of all bands together, and the mean R of a material over the cosine
-    /// of the half angle, or 1.
+    /// Returns rows of [`SPECULAR_SAMPLES`] texels: XYZ of each band of the specular order over |w| and the band's variance; those of the sums of 4, 16 … and at last of all bands; and the mean R
+    /// of a material over the cosine of the half angle, or 1.
     pub fn specular_rows(&self) -> Vec<[f32; 4]> {
         let specular = &self.specular;
         let mean = (0..SPECULAR_SAMPLES).map(|sample| {
@@ -124,12 +130,16 @@ impl TableHeader {
             let mean = self.mean_reflectance.as_ref().map_or(1.0, |mean| mean.at(cosine) as f32);
             [mean; 3]
         });
-        let bands = specular.weights.iter().flatten().copied();
-        let all = (0..SPECULAR_SAMPLES).map(|sample| {
-            let sum: Vec3 = specular.weights.iter().map(|band| Vec3::from_array(band[sample])).sum();
-            sum.to_array()
-        });
-        bands.chain(all).chain(mean).map(|[x, y, z]| [x, y, z, 0.0]).collect()
+        let mut rows = Vec::new();
+        let mut together = 1;
+        while together <= specular.weights.len() {
+            rows.extend(specular.groups(together).flat_map(|(variance, weights)| {
+                weights.into_iter().map(move |[x, y, z]| [x, y, z, variance as f32])
+            }));
+            together *= 4;
+        }
+        rows.extend(mean.map(|[x, y, z]| [x, y, z, 0.0]));
+        rows
     }
 }
 
@@ -153,6 +163,8 @@ impl ColorTable {
             basis_error: 0.0,
             effective_orders: EVEN,
             mean_reflectance: None,
+            indices: None,
+            energy: None,
         };
         Self { header, levels }
     }

@@ -2,6 +2,7 @@
 
 use super::basis::PER_TEXEL;
 use super::{ColorBasis, ColorTable, LARGEST_W, SPECULAR_SAMPLES};
+use crate::brdf::energy_map::EnergyMap;
 use crate::filter::{self, Covariance, Levels, Tap, Taps};
 use crate::optics::geometry::Pair;
 use crate::optics::reflectance::Reflectance;
@@ -12,12 +13,18 @@ use std::f64::consts::PI;
 /// Reader of one table.
 pub struct TableReader<'a> {
     table: &'a ColorTable,
+    energy: Option<&'a [[f32; 2]]>,
 }
 
 impl<'a> TableReader<'a> {
-    /// Returns a reader of `table`.
+    /// Returns a reader of `table`, within the limit of energy that an export contains.
     pub fn new(table: &'a ColorTable) -> Self {
-        Self { table }
+        Self { table, energy: table.header.energy.as_deref() }
+    }
+
+    /// Returns the same reader within a limit of energy.
+    pub fn limited(self, energy: Option<&'a EnergyMap>) -> Self {
+        Self { energy: energy.map(EnergyMap::points), ..self }
     }
 
     /// Returns the level to read over `footprint`, and the taps. The level is the coarsest one that averages over no more than the shorter
@@ -46,10 +53,22 @@ impl<'a> TableReader<'a> {
         let read = |tap: Tap| self.at(toward + tap.place, w, level + usize::from(tap.coarser)) * tap.weight;
         let sum: DVec3 = taps.each().map(read).sum();
         let colour = sum * (w * w) + self.specular(toward, w, footprint);
-        let cosine = pair.cos_half_angle();
-        let mean = self.table.header.mean_reflectance.as_ref();
-        let reflectance = mean.map_or_else(|| reflectance.at(MIDDLE, cosine), |mean| mean.at(cosine));
-        colour * (reflectance * pair.geometric_factor_times_cos_light() / (w * w))
+        let limit = self.energy.map_or(1.0, |points| EnergyMap::limit_of(points, pair));
+        colour * self.factor(pair, reflectance) / (w * w * limit)
+    }
+
+    /// Returns the factor in front of X, Y and Z.
+    fn factor(&self, pair: &Pair, reflectance: &Reflectance) -> DVec3 {
+        let header = &self.table.header;
+        if let Some(indices) = &header.indices {
+            let cosines = 4.0 * pair.light.z * pair.light.z * pair.view.z;
+            return DVec3::from_array(indices.intensity(pair)) * cosines;
+        }
+        let factor = match &header.mean_reflectance {
+            Some(mean) => mean.at(pair.cos_half_angle()) * pair.geometric_factor_times_cos_light(),
+            None => reflectance.at_wavelength(MIDDLE).factor(pair),
+        };
+        DVec3::splat(factor)
     }
 
     /// Returns the share of the specular order.

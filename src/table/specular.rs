@@ -4,17 +4,20 @@
 //! of wavelengths share a variance.
 
 use super::TableSettings;
+use super::held::HeldFactor;
 use crate::optics::quadrature::Wavelengths;
 use crate::optics::reflectance::MeanReflectance;
+use crate::optics::theory::Theory;
 use crate::spectra::power::{Blur, OrderSeries};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Number of bands of wavelengths. Within one, the variance differs by up to 10 % from the band's, which changes the lobe of a mirror by
-/// 1.2e-3 of its peak at most once all bands are added (`the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror`). Only pixels beside
-/// the specular direction sum them.
-pub const BANDS: usize = 16;
+/// Number of bands of wavelengths, a power of 4. Within one, the variance differs by up to 1 % from the band's
+/// (`the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror`). Only pixels beside the specular direction sum them, and sums of 4, 16 or all of them where their footprints are wider than the lobe.
+pub const BANDS: usize = 64;
+/// Number of bands in tables that earlier versions exported.
+pub const FORMER_BANDS: usize = 16;
 /// Number of samples of |w| over 0 … 2: between two, the phase of the farthest heights of 1 µm turns by a quarter of a radian.
 pub const SPECULAR_SAMPLES: usize = 128;
 
@@ -36,7 +39,9 @@ impl Specular {
         const COUNT: usize = 401;
         let wavelengths = Wavelengths::catmull_rom(&settings.illuminant, COUNT);
         let node = |i: usize| (wavelengths.wavenumbers[i], wavelengths.weights[i]);
-        let reflectance = settings.reflectance.as_ref().map(|r| (r, MeanReflectance::new(r)));
+        let stam = settings.reflectance.as_ref().filter(|r| r.theory() == Theory::Stam);
+        let reflectance = stam.map(|r| (r, MeanReflectance::new(r)));
+        let held = settings.reflectance.as_ref().and_then(HeldFactor::new);
         let blur = Blur::of_coherence(series.sigma).variance[0];
         let (mut variances, mut weights) = (Vec::new(), Vec::new());
         for band in 0..BANDS {
@@ -54,18 +59,33 @@ impl Specular {
                     .map(|i| {
                         let w = 2.0 * i as f64 / (SPECULAR_SAMPLES - 1) as f64;
                         // The lobe is so narrow that (u, v) = 0 throughout, and cos θ_h = |w|/2.
-                        let reflected = |q: f64| {
-                            reflectance
-                                .as_ref()
-                                .map_or(1.0, |(r, mean)| mean.ratio(r.at(1.0 / q, 0.5 * w), 0.5 * w))
+                        let reflected = |q: f64| match (&reflectance, &held) {
+                            (Some((r, mean)), _) => mean.ratio(r.at(1.0 / q, 0.5 * w), 0.5 * w),
+                            (None, Some(held)) => held.mean(q, 0.0, w),
+                            (None, None) => 1.0,
                         };
                         let power = |q: f64| series.specular_power(2.0 * PI * q * w) * reflected(q);
                         let sum: DVec3 = nodes.iter().map(|(q, xyz)| *xyz * power(*q)).sum();
-                        sum.as_vec3().to_array()
+                        let scale = held.as_ref().map_or(DVec3::ONE, |held| held.scales(0.0, w).into());
+                        (sum * scale).as_vec3().to_array()
                     })
                     .collect(),
             );
         }
         Self { variances, weights }
+    }
+
+    /// Returns the variance and the weights of sums of so many bands `together`; the variance is their mean by luminance.
+    pub fn groups(&self, together: usize) -> impl Iterator<Item = (f64, Vec<[f32; 3]>)> {
+        self.weights.chunks(together).zip(self.variances.chunks(together)).map(|(weights, variances)| {
+            let sum = |sample: usize| -> Vec3 { weights.iter().map(|band| Vec3::from_array(band[sample])).sum() };
+            let light = |band: &Vec<[f32; 3]>| band.iter().map(|[x, y, z]| f64::from(x + y + z)).sum::<f64>().max(0.0);
+            let (mut weighed, mut total) = (0.0, 0.0);
+            for (band, variance) in weights.iter().zip(variances) {
+                (weighed, total) = (weighed + light(band) * variance, total + light(band));
+            }
+            let variance = if total > 0.0 { weighed / total } else { variances[0] };
+            (variance, (0..SPECULAR_SAMPLES).map(|sample| sum(sample).to_array()).collect())
+        })
     }
 }

@@ -3,10 +3,12 @@
 //! For each wavelength the coefficients in z are read for all texels of a square, along f_x and then along f_y, and multiplied by the
 //! polynomials at all |w|: a matrix product in which neighbouring texels share their reads.
 
+use super::held::HeldFactor;
 use super::{LARGEST_W, TableSettings};
 use crate::optics::quadrature::{WavelengthSets, Wavelengths};
 use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::MIDDLE;
+use crate::optics::theory::Theory;
 use crate::spectra::power::chebyshev::nodes;
 use crate::spectra::power::{OrderReader, OrderSeries, ReadScratch, Square};
 use glam::{DVec2, Vec4};
@@ -20,8 +22,10 @@ pub const NODES: usize = 4;
 /// Wavelengths of each direction.
 pub struct DirectionWavelengths {
     sets: WavelengthSets,
-    // For each set, wavelength by wavelength, the reflectance over cos θ_h; empty if it does not depend on the wavelength.
+    // For each set, wavelength by wavelength, the reflectance over cos θ_h by Stam's theory; empty if it does not depend on the wavelength.
     reflectances: Vec<Vec<ReflectanceRow>>,
+    // The same by the small-slope approximation.
+    held: Option<HeldFactor>,
     variance: f64,
 }
 
@@ -43,8 +47,10 @@ impl DirectionWavelengths {
             let row = |q: &f64| ReflectanceRow::new(r, &mean, *q);
             sets.sets.par_iter().map(|set| set.wavenumbers.iter().map(row).collect()).collect()
         };
-        let reflectances = settings.reflectance.as_ref().map_or_else(Vec::new, rows);
-        Self { sets, reflectances, variance }
+        let stam = settings.reflectance.as_ref().filter(|r| r.theory() == Theory::Stam);
+        let reflectances = stam.map_or_else(Vec::new, rows);
+        let held = settings.reflectance.as_ref().and_then(HeldFactor::new);
+        Self { sets, reflectances, held, variance }
     }
 }
 
@@ -89,6 +95,8 @@ pub struct Sums<'a> {
     polynomials: Vec<Vec<[f32; LANES]>>,
     /// |w|².
     w2: Vec<f32>,
+    /// Factors that the sums hold by the small-slope approximation.
+    held: Option<HeldRows>,
     /// Registers of this machine.
     arch: Arch,
 }
@@ -131,7 +139,8 @@ impl<'a> Sums<'a> {
         };
         let polynomials = spectrum.sets.sets.par_iter().map(of_set).collect();
         let w2 = (0..padded).map(|i| w.get(i).map_or(0.0, |w| (w * w) as f32)).collect();
-        Self { reader, spectrum, count, padded, polynomials, w2, arch: Arch::new() }
+        let held = spectrum.held.as_ref().map(|held| HeldRows::new(held, &spectrum.sets, &w, padded));
+        Self { reader, spectrum, count, padded, polynomials, w2, held, arch: Arch::new() }
     }
 
     /// Writes XYZ at every w for every texel of `tile` into `scratch`.
@@ -149,11 +158,27 @@ impl<'a> Sums<'a> {
             self.reader.read(&tile.scaled(*q), widened, &mut scratch.reading, &mut scratch.terms);
             if let Some(rows) = self.spectrum.reflectances.get(number) {
                 self.reflect(tile, &rows[j], &mut scratch.reflectances);
+            } else if let Some(held) = &self.held {
+                scratch.reflectances.clear();
+                for place in 0..places {
+                    let uv = tile.place(place).length() as f32;
+                    scratch.reflectances.extend(held.of_sets[number][j].at(uv));
+                }
             }
             let products =
                 Products { series: &scratch.terms, polynomials, terms, reflectances: &scratch.reflectances };
             let sums = bytemuck::cast_slice_mut(&mut scratch.sums);
             self.arch.dispatch(AddProducts { products, weights: weight.as_vec3().to_array(), sums });
+        }
+        if let Some(held) = &self.held {
+            let sums: &mut [f32] = bytemuck::cast_slice_mut(&mut scratch.sums);
+            for (place, sums) in sums.chunks_exact_mut(3 * self.padded).enumerate() {
+                let uv = tile.place(place).length() as f32;
+                for (sums, scale) in sums.chunks_exact_mut(self.padded).zip(&held.scales) {
+                    let scales = scale.at(uv).flatten();
+                    sums.iter_mut().zip(scales).for_each(|(sum, scale)| *sum *= scale);
+                }
+            }
         }
     }
 
@@ -177,6 +202,57 @@ impl<'a> Sums<'a> {
     pub fn at_nodes<'s>(&self, tile: &Square, scratch: &'s mut Scratch) -> std::slice::ChunksExact<'s, Vec4> {
         self.sum(tile, scratch);
         scratch.sums.chunks_exact(3 * self.padded / 4)
+    }
+}
+
+/// Factors that sums hold by the small-slope approximation, at the |w| of the sums.
+struct HeldRows {
+    /// For each set, wavelength by wavelength, the mean of |B|².
+    of_sets: Vec<Vec<HeldRow>>,
+    /// Factors of X, Y and Z after the sums.
+    scales: [HeldRow; 3],
+}
+
+impl HeldRows {
+    fn new(held: &HeldFactor, sets: &WavelengthSets, w: &[f64], padded: usize) -> Self {
+        let of_set = |set: &Wavelengths| {
+            let row = |q: &f64| HeldRow::new(w, padded, |uv, w| held.mean(*q, uv, w));
+            set.wavenumbers.iter().map(row).collect()
+        };
+        let scale = |channel: usize| HeldRow::new(w, padded, |uv, w| held.scales(uv, w)[channel]);
+        Self { of_sets: sets.sets.par_iter().map(of_set).collect(), scales: [0, 1, 2].map(scale) }
+    }
+}
+
+/// Function of |(u, v)| at each |w| of the sums.
+struct HeldRow {
+    /// `[step of |(u, v)|][w / LANES][w % LANES]`.
+    values: Vec<[f32; LANES]>,
+    lanes: usize,
+}
+
+impl HeldRow {
+    /// Steps of |(u, v)| over 0 … 2.
+    const STEPS: usize = 128;
+
+    fn new(w: &[f64], padded: usize, of: impl Fn(f64, f64) -> f64) -> Self {
+        let lanes = padded / LANES;
+        let mut values = vec![[0f32; LANES]; (Self::STEPS + 1) * lanes];
+        for (step, row) in values.chunks_exact_mut(lanes).enumerate() {
+            let uv = LARGEST_W * step as f64 / Self::STEPS as f64;
+            row.as_flattened_mut().iter_mut().zip(w).for_each(|(value, w)| *value = of(uv, *w) as f32);
+        }
+        Self { values, lanes }
+    }
+
+    /// Interpolates the function at |(u, v)| = `uv`.
+    fn at(&self, uv: f32) -> impl Iterator<Item = [f32; LANES]> {
+        let place = (uv / LARGEST_W as f32).clamp(0.0, 1.0) * Self::STEPS as f32;
+        let left = (place as usize).min(Self::STEPS - 1);
+        let share = place - left as f32;
+        let rows = &self.values[left * self.lanes..][..2 * self.lanes];
+        let (below, above) = rows.split_at(self.lanes);
+        below.iter().zip(above).map(move |(a, b)| std::array::from_fn(|i| a[i] + share * (b[i] - a[i])))
     }
 }
 

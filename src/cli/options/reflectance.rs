@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{DielectricLaw, Film, Reflectance};
+use crate::optics::theory::Theory;
 use clap::Args;
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use std::ffi::OsStr;
@@ -30,7 +31,11 @@ pub struct ReflectanceOptions {
     /// Thin transparent film on the surface, with thickness and refractive index, as in 120nm:1.7
     #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true)]
     pub film: Option<Film>,
-    /// Polarisation of the light: te (electric field perpendicular to the plane of light and viewer), tm (in it) or none [default: none]
+    /// Theory of the brightness: small-slope (the small-slope approximation of first order, limited so that no surface reflects more than a flat one), or stam (the
+    /// factor of the thesis, without a limit) [default: small-slope; stam with --reflectance schlick]
+    #[arg(long, value_name = "small-slope|stam", value_parser = Theory::from_name)]
+    pub theory: Option<Theory>,
+    /// Polarisation of the light that comes in: te (electric field perpendicular to the plane of incidence; by Stam's theory to the plane of light and viewer), tm (in it) or none [default: none]
     #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
     pub polarisation: Option<Polarisation>,
 }
@@ -39,7 +44,7 @@ impl ReflectanceOptions {
     /// Checks that the options go together.
     ///
     /// # Errors
-    /// Polarised light under an approximation that has none.
+    /// Polarised light under an approximation that has none, and Schlick's approximation in another theory than its own.
     pub fn check(&self) -> Result<()> {
         let polarised = self.polarisation.is_some_and(|light| light != Polarisation::None);
         if polarised && self.reflectance == Some(DielectricLaw::Schlick) {
@@ -48,13 +53,20 @@ impl ReflectanceOptions {
                 "leave --reflectance schlick away, for Fresnel's equations",
             ));
         }
+        if self.reflectance == Some(DielectricLaw::Schlick) && self.theory == Some(Theory::SmallSlope) {
+            return Err(Error::usage(
+                "Schlick's approximation is a factor of Stam's theory",
+                "leave --reflectance schlick away, or use --theory stam",
+            ));
+        }
         Ok(())
     }
 
-    /// Returns the reflectance of the surface: that of the scene, unless the options name a material, in light of their polarisation.
+    /// Returns the reflectance of the surface: that of the scene, unless the options name a material, by their theory, in light of their polarisation.
     pub fn of_surface(&self, scene: Option<&Reflectance>) -> Reflectance {
         let named = self.named().or_else(|| scene.cloned());
-        named.unwrap_or_default().polarised(self.polarisation.unwrap_or_default())
+        let reflectance = named.unwrap_or_default().by(self.theory.unwrap_or_default());
+        reflectance.polarised(self.polarisation.unwrap_or_default())
     }
 
     /// Returns the reflectance that the options name, in unpolarised light.

@@ -1,6 +1,7 @@
 //! Source on the device: descriptor set 1 and the shaders that read it.
 
 use super::part::Iterations;
+use super::surface_factor::{BINDINGS, SurfaceFactor};
 use crate::error::Result;
 use crate::optics::reflectance::Reflectance;
 use crate::vk::buffer::Buffer;
@@ -46,18 +47,20 @@ pub struct BoundSource {
 pub(super) use vk::DescriptorType as Kind;
 
 impl BoundSource {
-    /// Makes a source with bindings of these `kinds`, numbered from 0, of a surface with this `reflectance`.
+    /// Makes a source with bindings of these `kinds`, numbered from 0, and those of `factor`, of a surface with this `reflectance`.
     pub(super) fn new(
         device: &Arc<Device>,
         name: &str,
         kinds: &[Kind],
         stages: Stages,
-        constants: Vec<Constant>,
-        reflectance: &Reflectance,
+        mut constants: Vec<Constant>,
+        (reflectance, factor): (&Reflectance, &SurfaceFactor),
     ) -> Result<Self> {
         let visible = vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
+        let numbered = (0..).zip(kinds.iter().copied()).chain(BINDINGS);
         let bindings: Vec<Binding> =
-            (0..).zip(kinds).map(|(number, &kind)| Binding { number, kind, stages: visible }).collect();
+            numbered.map(|(number, kind)| Binding { number, kind, stages: visible }).collect();
+        constants.extend(factor.constants());
         Ok(Self {
             descriptors: Descriptors::new(device, name, &bindings)?,
             specular_spread: None,
@@ -85,13 +88,17 @@ impl BoundSource {
         self.samplers.push(sampler);
     }
 
-    /// Replaces the tables and buffers that depend on the shading, each given with its binding number.
+    /// Replaces the tables and buffers that depend on the shading, each given with its binding number, and those of the factor.
     pub(super) fn replace(
         &mut self,
         device: &Arc<Device>,
-        tables: Vec<(u32, Image)>,
-        buffers: Vec<(u32, Buffer)>,
+        mut tables: Vec<(u32, Image)>,
+        mut buffers: Vec<(u32, Buffer)>,
+        factor: &SurfaceFactor,
     ) -> Result<()> {
+        let (images, medium) = factor.upload(device)?;
+        tables.extend(images);
+        buffers.push(medium);
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         for (number, image) in &tables {
             self.descriptors.image(*number, image, &edge);
@@ -109,10 +116,10 @@ impl BoundSource {
     /// Returns the constants of the shading stage, without those of the light.
     pub(in crate::render) fn shade_constants(&self) -> Vec<Constant> {
         /// Constants of `shade.frag`.
-        const OWN_REFLECTANCE: u32 = 1;
+        const SOURCE_HAS_REFLECTANCE: u32 = 1;
         const NORMAL_OF_PIGMENT: u32 = 2;
         let stage_constants = [
-            Constant::new(OWN_REFLECTANCE, self.normal_of_pigment.is_some()),
+            Constant::new(SOURCE_HAS_REFLECTANCE, self.normal_of_pigment.is_some()),
             Constant::float(NORMAL_OF_PIGMENT, self.normal_of_pigment.unwrap_or_default()),
         ];
         [stage_constants.as_slice(), &self.constants].concat()

@@ -1,7 +1,8 @@
 //! Classical shader of a grating of one period, as a baseline. Its twin is `shaders/source_classical_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::{SourceSummary, reflectance, stages};
+use super::surface_factor::SurfaceFactor;
+use super::{SourceSummary, stages};
 use crate::error::Result;
 use crate::settings::Optics;
 use crate::vk::device::Device;
@@ -23,21 +24,18 @@ pub struct ClassicalGrating {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct ClassicalGratingBlock {
-    index: f32,
     period: f32,
     strength: f32,
-    gap: f32,
     axis: [f32; 2],
-    padding: [f32; 2],
 }
 
 impl ClassicalGrating {
     pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         let stages = stages!("classical_grating");
         let kinds = [Kind::UNIFORM_BUFFER];
-        let of = &optics.reflectance;
-        let constants = vec![reflectance::without_spectrum(optics)];
-        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, constants, of)?;
+        let factor = SurfaceFactor::without_spectrum(&optics.reflectance);
+        let of = (&optics.reflectance, &factor);
+        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, Vec::new(), of)?;
         bound.spectral = false;
         self.set(device, &mut bound, optics)?;
         Ok(bound)
@@ -45,13 +43,13 @@ impl ClassicalGrating {
 
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let block = ClassicalGratingBlock {
-            index: optics.reflectance.luminous_index() as f32,
             period: self.period as f32,
             strength: self.strength as f32,
             axis: self.axis.map(|x| x as f32),
-            ..ClassicalGratingBlock::default()
         };
-        bound.replace(device, Vec::new(), vec![(0, uniform(device, "classical grating block", &block)?)])
+        let block = uniform(device, "classical grating block", &block)?;
+        let factor = SurfaceFactor::without_spectrum(&optics.reflectance);
+        bound.replace(device, Vec::new(), vec![(0, block)], &factor)
     }
 
     pub(super) fn summary(&self) -> SourceSummary {

@@ -4,7 +4,9 @@
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
+use super::surface_factor::SurfaceFactor;
 use super::{SourceSummary, spectra, stages};
+use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
@@ -24,6 +26,8 @@ pub struct Grating {
     pub layers: Arc<Layers>,
     /// Number of copies and their period.
     pub repeats: Repeats,
+    /// Limit of energy, if the theory has one.
+    pub energy: Option<Arc<EnergyMap>>,
 }
 
 /// Binding number of set 1, after those of [`spectra::binding`].
@@ -61,9 +65,10 @@ impl CopiesBlock {
 impl Grating {
     pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         let kinds =
-            [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER]].concat();
-        let constants = spectra::constants(&self.layers, optics);
-        let of = &optics.reflectance;
+            [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER]].concat();
+        let constants = spectra::constants(&self.layers);
+        let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
+        let of = (&optics.reflectance, &factor);
         let mut bound = BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants, of)?;
         // The periodic factor of single wavelengths is multiplied in f64.
         bound.spectral = false;
@@ -78,10 +83,10 @@ impl Grating {
         let most = self.repeats.most_wavelengths(colours.lag).min(self.repeats.limit());
         bound.iterations = Iterations::new(most.ceil() as usize, self.layers.pairs());
         let nodes = WavelengthTexture::densities(&colours);
-        let (tables, mut buffers) = spectra::settings(device, of, optics, &nodes)?;
+        let (tables, mut buffers) = spectra::settings(device, of, &nodes)?;
         let block = CopiesBlock::new(&self.repeats, &colours, optics.budget().window.wavelengths);
         buffers.push((COPIES, uniform(device, "grating block", &block)?));
-        bound.replace(device, tables, buffers)
+        bound.replace(device, tables, buffers, &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()))
     }
 
     /// Returns the colour functions of `optics`.

@@ -10,8 +10,8 @@ pub mod classical_grating;
 pub mod cost;
 pub mod grating;
 pub mod part;
-mod reflectance;
 pub mod spectra;
+mod surface_factor;
 pub mod table;
 pub mod thesis;
 pub mod window;
@@ -24,6 +24,7 @@ pub use thesis::Thesis;
 pub use window::Window;
 
 use super::directions::Directions;
+use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
 use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
@@ -76,7 +77,7 @@ pub struct SourceSummary {
 impl Source {
     /// Returns the source of spectra through a window.
     pub fn window(layers: impl Into<Arc<Layers>>) -> Self {
-        Self::Window(Window { layers: layers.into() })
+        Self::Window(Window { layers: layers.into(), energy: None })
     }
 
     /// Uploads the data and the tables for `optics` as set 1.
@@ -108,6 +109,26 @@ impl Source {
         }
     }
 
+    /// Returns this source within a limit of energy, which baselines do not have.
+    pub fn limited(self, energy: Option<Arc<EnergyMap>>) -> Self {
+        match self {
+            Self::Window(source) => Self::Window(Window { energy, ..source }),
+            Self::Grating(source) => Self::Grating(Grating { energy, ..source }),
+            Self::Table(source) => Self::Table(Table { energy, ..source }),
+            baseline => baseline,
+        }
+    }
+
+    /// Returns the limit of energy, if the source has one.
+    pub fn energy(&self) -> Option<&Arc<EnergyMap>> {
+        match self {
+            Self::Window(Window { energy, .. })
+            | Self::Grating(Grating { energy, .. })
+            | Self::Table(Table { energy, .. }) => energy.as_ref(),
+            Self::Thesis(_) | Self::ClassicalGrating(_) => None,
+        }
+    }
+
     /// Returns true if both have the identical data, whatever the shading, so that [`Source::rebind`] can switch from
     /// one to the other.
     pub fn shares_data_with(&self, other: &Self) -> bool {
@@ -122,7 +143,7 @@ impl Source {
     /// Returns the size of the texture with its data; zero for a source without data.
     pub fn extent(&self) -> Extent {
         match self {
-            Self::Window(Window { layers })
+            Self::Window(Window { layers, .. })
             | Self::Grating(Grating { layers, .. })
             | Self::Thesis(Thesis { layers, .. }) => spectra::extent(layers),
             Self::Table(source) => source.extent(),
@@ -133,7 +154,7 @@ impl Source {
     /// Returns the terms of the expansion, if one is summed.
     pub fn terms(&self) -> Option<usize> {
         match self {
-            Self::Window(Window { layers })
+            Self::Window(Window { layers, .. })
             | Self::Grating(Grating { layers, .. })
             | Self::Thesis(Thesis { layers, .. }) => Some(layers.terms),
             Self::Table(_) | Self::ClassicalGrating(_) => None,

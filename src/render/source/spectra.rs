@@ -2,13 +2,11 @@
 //! `shaders/spectra.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::{Extent, reflectance};
+use super::Extent;
 use crate::error::Result;
 use crate::optics::geometry::Pair;
-use crate::optics::reflectance::Reflectance;
 use crate::render::tables::TableTexture;
 use crate::render::upload;
-use crate::settings::Optics;
 use crate::spectra::amplitude::Layers;
 use crate::spectra::amplitude::kernel::{Interpolation, Kernel};
 use crate::spectra::amplitude::texels::Texels;
@@ -29,9 +27,6 @@ pub(super) mod binding {
     pub const COEFFICIENTS: u32 = 2;
     pub const NODES: u32 = 3;
 }
-
-/// Binding number of the reflectances, after those of each source.
-const REFLECTANCES: u32 = 5;
 
 /// Kinds of the bindings, in order.
 pub(super) const KINDS: [Kind; 4] = [
@@ -55,8 +50,6 @@ pub struct SpectraBlock {
     pub band: [f32; 2],
     /// σ of the window \[µm\].
     pub sigma: f32,
-    /// Refractive index, unless R depends on the wavelength.
-    pub index: f32,
     /// Texture coordinate of the coefficients at k|w| = 0, and its change per unit of k|w| \[µm\].
     pub column: [f32; 2],
     /// Pairs of terms needed at k|w|: ⌈`pairs_per_z`·k|w| + `fewest_pairs`⌉.
@@ -66,11 +59,11 @@ pub struct SpectraBlock {
     /// Half the range of heights \[µm\].
     pub half_range: f32,
     /// std140 rounds a block up to 16 bytes.
-    pub padding: f32,
+    pub padding: [f32; 2],
 }
 
 /// Makes the `Spectra` block of `layers` seen through a Gaussian window of standard deviation `sigma` \[µm\].
-pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> SpectraBlock {
+pub fn spectra_block(layers: &Layers, sigma: f64) -> SpectraBlock {
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     let columns = layers.coefficients.columns as f64;
     SpectraBlock {
@@ -80,17 +73,16 @@ pub fn spectra_block(layers: &Layers, sigma: f64, reflectance: &Reflectance) -> 
         band: pair(layers.band),
         // The shaders square the texel values and multiply by σ².
         sigma: sigma as f32 * layers.texels.unit(),
-        index: reflectance.index().unwrap_or_default() as f32,
         column: pair([0.5 / columns, (columns - 1.0) / columns / layers.z_max]),
         pairs_per_z: layers.pairs_needed.slope as f32,
         fewest_pairs: layers.pairs_needed.fewest as f32,
         half_range: layers.coefficients.half_range as f32,
-        padding: 0.0,
+        padding: [0.0; 2],
     }
 }
 
 /// Returns the specialisation constants of `shaders/spectra.glsl`.
-pub(super) fn constants(layers: &Layers, optics: &Optics) -> Vec<Constant> {
+pub(super) fn constants(layers: &Layers) -> Vec<Constant> {
     const HALF_PLANE: u32 = 12;
     const PAIRS: u32 = 13;
     const FEWER_PAIRS: u32 = 14;
@@ -101,7 +93,6 @@ pub(super) fn constants(layers: &Layers, optics: &Optics) -> Vec<Constant> {
         Constant::new(PAIRS, layers.pairs() as u32),
         Constant::new(FEWER_PAIRS, layers.pairs_needed.slope > 0.0),
         Constant::new(TAYLOR, layers.coefficients.taylor),
-        reflectance::constant(optics),
     ]);
     constants
 }
@@ -135,18 +126,15 @@ pub(super) fn upload(device: &Arc<Device>, bound: &mut BoundSource, layers: &Lay
 /// Images and buffers, each with its binding number.
 type Bound = (Vec<(u32, Image)>, Vec<(u32, Buffer)>);
 
-/// Makes the block, the nodes and the reflectances, with their binding numbers.
+/// Makes the block and the nodes, with their binding numbers.
 pub(super) fn settings(
     device: &Arc<Device>,
     (layers, sigma): (&Layers, f64),
-    optics: &Optics,
     nodes: &TableTexture,
 ) -> Result<Bound> {
-    let block = uniform(device, "spectra block", &spectra_block(layers, sigma, &optics.reflectance))?;
+    let block = uniform(device, "spectra block", &spectra_block(layers, sigma))?;
     let nodes = numbers(device, "nodes", nodes)?;
-    let reflectances = reflectance::texture(device, optics)?;
-    let tables = vec![(binding::NODES, nodes), (REFLECTANCES, reflectances)];
-    Ok((tables, vec![(binding::BLOCK, block)]))
+    Ok((vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)]))
 }
 
 /// Makes a texture of a table.

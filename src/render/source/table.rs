@@ -3,12 +3,14 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
-use super::{Extent, SourceSummary, reflectance, stages};
+use super::surface_factor::SurfaceFactor;
+use super::{Extent, SourceSummary, stages};
+use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
 use crate::render::directions::Directions;
 use crate::render::upload;
 use crate::settings::Optics;
-use crate::table::{BANDS, ColorTable, SPECULAR_SAMPLES, TableReader};
+use crate::table::{ColorTable, SPECULAR_SAMPLES, TableReader};
 use crate::vk::device::Device;
 use crate::vk::image::{Description, Image};
 use crate::vk::pipeline::Constant;
@@ -22,6 +24,8 @@ use std::sync::Arc;
 pub struct Table {
     /// The table.
     pub table: Arc<ColorTable>,
+    /// Limit of energy, if the theory has one.
+    pub energy: Option<Arc<EnergyMap>>,
 }
 
 /// Binding numbers of set 1.
@@ -43,8 +47,6 @@ const KINDS: [Kind; 4] = [
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct TableBlock {
-    /// Refractive index, unless R depends on the wavelength.
-    pub index: f32,
     /// Texture coordinate per unit of u.
     pub texture_per_uv: f32,
     /// Variance of u due to coherence.
@@ -59,8 +61,8 @@ pub struct TableBlock {
     pub pieces: f32,
     /// Number of the coarsest level.
     pub last_level: f32,
-    /// Variance of u in each band of the specular order.
-    pub variances: [f32; BANDS],
+    /// std140 rounds a block up to 16 bytes.
+    pub padding: f32,
 }
 
 impl Table {
@@ -68,14 +70,16 @@ impl Table {
         /// Texels read per direction and tap.
         const TEXELS: u32 = 11;
         let basis = &self.table.header.basis;
-        // Tables of exports hold R by every law.
-        let holds_reflectance = self.table.header.mean_reflectance.is_some();
-        let law = if holds_reflectance { reflectance::held() } else { reflectance::constant(optics) };
-        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), law];
-        let of = &optics.reflectance;
+        /// Bands of the specular order.
+        const BANDS: u32 = 16;
+        let bands = self.table.header.specular.variances.len() as u32;
+        let constants = vec![Constant::new(TEXELS, basis.texels() as u32), Constant::new(BANDS, bands)];
+        let factor = self.factor(optics);
+        let of = (&optics.reflectance, &factor);
         let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
-        if holds_reflectance {
-            bound.holds(of);
+        // Tables of exports hold R by every law.
+        if self.table.header.mean_reflectance.is_some() || self.table.header.indices.is_some() {
+            bound.holds(&optics.reflectance);
         }
         bound.spectral = false;
         let header = &self.table.header;
@@ -96,7 +100,7 @@ impl Table {
         bound.data(binding::COLOURS, image, Sampler::levels_that_end(device, "colour table sampler")?);
         let weights = header.specular_rows();
         let format = vk::Format::R32G32B32A32_SFLOAT;
-        let size = [SPECULAR_SAMPLES, BANDS + 2];
+        let size = [SPECULAR_SAMPLES, weights.len() / SPECULAR_SAMPLES];
         let image =
             upload::texture(device, "specular order", format, size, None, bytemuck::cast_slice(&weights))?;
         let edge = Sampler::linear(device, "specular sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
@@ -114,7 +118,6 @@ impl Table {
         let header = &self.table.header;
         let grid = &header.grid;
         let block = TableBlock {
-            index: optics.reflectance.index().unwrap_or_default() as f32,
             texture_per_uv: (0.5 / grid.extent) as f32,
             coherence: header.coherence_blur as f32,
             unit: header.unit as f32,
@@ -122,9 +125,20 @@ impl Table {
             per_growth: grid.growth.powi(-2) as f32,
             pieces: header.basis.pieces as f32,
             last_level: (grid.levels - 1) as f32,
-            variances: std::array::from_fn(|band| header.specular.variances[band] as f32),
+            padding: 0.0,
         };
-        bound.replace(device, Vec::new(), vec![(binding::BLOCK, uniform(device, "table block", &block)?)])
+        let block = uniform(device, "table block", &block)?;
+        bound.replace(device, Vec::new(), vec![(binding::BLOCK, block)], &self.factor(optics))
+    }
+
+    /// Returns the factor in front of the table.
+    fn factor(&self, optics: &Optics) -> SurfaceFactor {
+        let (header, reflectance, energy) = (&self.table.header, &optics.reflectance, self.energy.as_ref());
+        match header.indices {
+            Some(indices) => SurfaceFactor::of_indices(indices, reflectance, energy),
+            None if header.mean_reflectance.is_some() => SurfaceFactor::held(reflectance, energy),
+            None => SurfaceFactor::of_sums(reflectance, energy),
+        }
     }
 
     pub(super) fn extent(&self) -> Extent {

@@ -4,7 +4,8 @@ use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::part::Iterations;
 use super::spectra::{edge, format, numbers};
-use super::{SourceSummary, reflectance, stages};
+use super::surface_factor::SurfaceFactor;
+use super::{SourceSummary, stages};
 use crate::error::Result;
 use crate::render::directions::Directions;
 use crate::render::tables::WavelengthTexture;
@@ -32,36 +33,31 @@ mod binding {
     pub const BLOCK: u32 = 0;
     pub const SERIES: u32 = 1;
     pub const NODES: u32 = 2;
-    pub const REFLECTANCES: u32 = 3;
 }
 
-const KINDS: [Kind; 4] = [
-    Kind::UNIFORM_BUFFER,
-    Kind::COMBINED_IMAGE_SAMPLER,
-    Kind::COMBINED_IMAGE_SAMPLER,
-    Kind::COMBINED_IMAGE_SAMPLER,
-];
+const KINDS: [Kind; 3] =
+    [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
 
 /// The `Thesis` block (std140).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 struct ThesisBlock {
-    index: f32,
     sigma: f32,
     half_range: f32,
     wavelengths: i32,
     bins_per_frequency: [f32; 2],
     origin: [f32; 2],
     band: [f32; 2],
-    padding: [f32; 2],
+    padding: [f32; 3],
 }
 
 impl Thesis {
     pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         const PAIRS: u32 = 10;
         let layers = &self.layers;
-        let constants = vec![Constant::new(PAIRS, layers.pairs() as u32), reflectance::constant(optics)];
-        let of = &optics.reflectance;
+        let constants = vec![Constant::new(PAIRS, layers.pairs() as u32)];
+        let factor = SurfaceFactor::of_sums(&optics.reflectance, None);
+        let of = (&optics.reflectance, &factor);
         let mut bound = BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants, of)?;
         let (count, texels) = (Some(layers.pairs() as u32), &layers.texels);
         let image =
@@ -75,7 +71,6 @@ impl Thesis {
         let pair = |v: [f64; 2]| v.map(|x| x as f32);
         let layers = &self.layers;
         let block = ThesisBlock {
-            index: optics.reflectance.index().unwrap_or_default() as f32,
             sigma: layers.sigma as f32 * layers.texels.unit(),
             half_range: self.half_range as f32,
             wavelengths: WAVELENGTHS as i32,
@@ -83,15 +78,14 @@ impl Thesis {
             // The shader truncates.
             origin: layers.origin.map(|n| n as f32 + 0.5),
             band: pair(layers.band),
-            padding: [0.0; 2],
+            padding: [0.0; 3],
         };
         bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs());
         let wavelengths = WavelengthTexture::even(&optics.illuminant, WAVELENGTHS);
         let nodes = numbers(device, "nodes", &wavelengths.nodes)?;
         let block = uniform(device, "thesis block", &block)?;
-        let tables =
-            vec![(binding::NODES, nodes), (binding::REFLECTANCES, reflectance::texture(device, optics)?)];
-        bound.replace(device, tables, vec![(binding::BLOCK, block)])
+        let factor = SurfaceFactor::of_sums(&optics.reflectance, None);
+        bound.replace(device, vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)], &factor)
     }
 
     pub(super) fn summary(&self) -> SourceSummary {

@@ -3,7 +3,9 @@
 use super::bound::{BoundSource, Kind};
 use super::cost::{Cost, LitPixel};
 use super::part::Iterations;
+use super::surface_factor::SurfaceFactor;
 use super::{SourceSummary, spectra, stages};
+use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
 use crate::render::directions::Directions;
 use crate::render::tables::WavelengthTexture;
@@ -19,6 +21,8 @@ use std::sync::Arc;
 pub struct Window {
     /// The spectra.
     pub layers: Arc<Layers>,
+    /// Limit of energy, if the theory has one.
+    pub energy: Option<Arc<EnergyMap>>,
 }
 
 /// Binding number of set 1, after those of [`spectra::binding`].
@@ -28,9 +32,10 @@ impl Window {
     pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
         let layers = &self.layers;
         let kinds =
-            [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER, Kind::COMBINED_IMAGE_SAMPLER]].concat();
-        let constants = spectra::constants(layers, optics);
-        let of = &optics.reflectance;
+            [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER]].concat();
+        let constants = spectra::constants(layers);
+        let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
+        let of = (&optics.reflectance, &factor);
         let mut bound = BoundSource::new(device, "window set", &kinds, stages!("window"), constants, of)?;
         spectra::upload(device, &mut bound, layers)?;
         self.set(device, &mut bound, optics)?;
@@ -42,7 +47,7 @@ impl Window {
         let wavelengths = WavelengthTexture::of(layers, optics);
         bound.iterations = Iterations::new(wavelengths.most(), layers.pairs());
         let of = (&**layers, layers.sigma);
-        let (tables, mut buffers) = spectra::settings(device, of, optics, &wavelengths.nodes)?;
+        let (tables, mut buffers) = spectra::settings(device, of, &wavelengths.nodes)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         buffers.push((
             BINS,
@@ -53,7 +58,7 @@ impl Window {
                 bytemuck::cast_slice(&wavelengths.bins),
             )?,
         ));
-        bound.replace(device, tables, buffers)
+        bound.replace(device, tables, buffers, &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()))
     }
 
     pub(super) fn summary(&self, optics: &Optics) -> SourceSummary {

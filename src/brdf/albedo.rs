@@ -1,0 +1,229 @@
+//! Directional albedo of a surface from its orders, and the limit of energy that follows from it ([`crate::optics::energy`]).
+
+use crate::optics::energy::{DirectionGrid, EnergyLimit};
+use crate::optics::geometry::Pair;
+use crate::optics::polarisation::Polarisation;
+use crate::optics::reflectance::Reflectance;
+use crate::optics::spectrum::{LONGEST, SHORTEST};
+use crate::spectra::power::OrderSeries;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
+
+/// Orders of a surface, or groups of neighbouring ones, with their powers as series in z, and the reflectance of the surface.
+pub struct DirectionalAlbedo {
+    reflectance: Reflectance,
+    z_max: f64,
+    specular: Vec<f64>,
+    terms: usize,
+    // (m/T_x, n/T_y) of ω_i + ω_r over the wavelength [µm⁻¹].
+    frequencies: Vec<DVec2>,
+    // [order][term], powers |c_m|²/z².
+    coefficients: Vec<f32>,
+    // Larger groups of the same orders, from which the table is made.
+    coarse: Option<Box<Self>>,
+    table: OnceLock<ExcessTable>,
+}
+
+impl std::fmt::Debug for DirectionalAlbedo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "DirectionalAlbedo of {} orders", self.frequencies.len())
+    }
+}
+
+/// Groups of neighbouring orders that are summed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decimation {
+    /// Groups 0.06 wide in u for the shortest wavelength: some thousand in all, for maps over directions. Surfaces of few orders keep each.
+    Coarse,
+    /// Groups 0.015 wide, for single directions. Patches of up to 25 µm keep each order.
+    Fine,
+}
+
+impl Decimation {
+    /// Returns the number of groups along each axis of the square of all visible frequencies, −2/λ to 2/λ of the shortest wavelength λ.
+    fn groups(self) -> f64 {
+        match self {
+            Self::Coarse => 64.0,
+            Self::Fine => 256.0,
+        }
+    }
+}
+
+impl DirectionalAlbedo {
+    /// Sums neighbouring orders of `series` into groups, each at the mean frequency of its power.
+    pub fn new(series: &OrderSeries, reflectance: &Reflectance, decimation: Decimation) -> Self {
+        // λ = 4π/z_max.
+        let sizes = |decimation: Decimation| {
+            let width = series.z_max / PI / decimation.groups();
+            series.grid.patch.map(|side| ((width * side) as i64).max(1))
+        };
+        let [fine, coarse] = [decimation, Decimation::Coarse].map(sizes);
+        let coarse = (coarse != fine).then(|| Box::new(Self::grouped(series, reflectance, coarse)));
+        Self { coarse, ..Self::grouped(series, reflectance, fine) }
+    }
+
+    /// Returns the divisor of the BRDF for each of `pairs` at `wavelength` \[µm\]. Each direction is summed once, in parallel.
+    pub fn limits(&self, pairs: &[Pair], wavelength: f64) -> Vec<f64> {
+        let key = |direction: DVec3| direction.to_array().map(f64::to_bits);
+        let distinct: HashMap<_, _> =
+            pairs.iter().flat_map(|pair| [pair.light, pair.view]).map(|d| (key(d), d)).collect();
+        let excess: HashMap<_, _> =
+            distinct.into_par_iter().map(|(key, direction)| (key, self.excess(direction, wavelength))).collect();
+        let of = |direction| excess.get(&key(direction)).copied().unwrap_or_default();
+        pairs.iter().map(|pair| of(pair.light).max(of(pair.view)).max(1.0)).collect()
+    }
+
+    /// Sums orders into groups of `sizes` along each axis.
+    fn grouped(series: &OrderSeries, reflectance: &Reflectance, sizes: [i64; 2]) -> Self {
+        let terms = series.terms;
+        let [columns, rows] = series.grid.size;
+        let patch = DVec2::from_array(series.grid.patch);
+        let group = |place: usize, axis: usize| (place as i64 - series.grid.origin[axis] as i64).div_euclid(sizes[axis]);
+        let first = [0, 1].map(|axis| group(0, axis));
+        let counts = [group(columns - 1, 0) - first[0] + 1, group(rows - 1, 1) - first[1] + 1];
+        let count = (counts[0] * counts[1]) as usize;
+        let (mut sums, mut centres, mut weights) =
+            (vec![0f32; count * terms], vec![DVec2::ZERO; count], vec![0.0; count]);
+        for (number, order) in series.coefficients().chunks_exact(terms).enumerate() {
+            let place = [number % columns, number / columns];
+            let at = ((group(place[1], 1) - first[1]) * counts[0] + group(place[0], 0) - first[0]) as usize;
+            // The first term is the mean over z.
+            let weight = f64::from(order[0].max(0.0));
+            let numbers = [0, 1].map(|axis| place[axis] as f64 - series.grid.origin[axis] as f64);
+            centres[at] += weight * DVec2::from_array(numbers) / patch;
+            weights[at] += weight;
+            sums[at * terms..][..terms].iter_mut().zip(order).for_each(|(sum, a)| *sum += a);
+        }
+        let lit: Vec<usize> = (0..count).filter(|at| weights[*at] > 0.0).collect();
+        Self {
+            reflectance: reflectance.clone().polarised(Polarisation::None),
+            z_max: series.z_max,
+            specular: series.specular.clone(),
+            terms,
+            frequencies: lit.iter().map(|at| centres[*at] / weights[*at]).collect(),
+            coefficients: lit.iter().flat_map(|at| &sums[at * terms..][..terms]).copied().collect(),
+            coarse: None,
+            table: OnceLock::new(),
+        }
+    }
+
+    /// Returns the largest reflectance that a surface may have for light from `direction` at `wavelength` \[µm\]: that of a flat one, or 1 below a film, whose own reflectance may vanish.
+    pub fn allowed(&self, direction: DVec3, wavelength: f64) -> f64 {
+        match &self.reflectance {
+            Reflectance::Fresnel { film: Some(_), .. } => 1.0,
+            _ => self.reflectance.at(wavelength, direction.z),
+        }
+    }
+
+    /// Returns E, the share of the light from `light` at `wavelength` \[µm\] that is sent into all directions, unpolarised and without a limit.
+    pub fn at(&self, light: DVec3, wavelength: f64) -> f64 {
+        if light.z <= 0.0 {
+            return 0.0;
+        }
+        let k = TAU / wavelength;
+        let factor = self.reflectance.at_wavelength(wavelength).of_light(light);
+        let w = 2.0 * light.z;
+        let specular = factor.toward(DVec3::new(-light.x, -light.y, light.z)) / (light.z * w * w) * self.series(&self.specular, k * w).max(0.0);
+        let scattered: f64 = self
+            .frequencies
+            .iter()
+            .zip(self.coefficients.chunks_exact(self.terms))
+            .map(|(frequency, coefficients)| {
+                let across = wavelength * *frequency - light.truncate();
+                let squared = across.length_squared();
+                if squared >= 1.0 {
+                    return 0.0;
+                }
+                let view = across.extend((1.0 - squared).sqrt());
+                factor.toward(view) * self.series(coefficients, k * (light.z + view.z)).max(0.0)
+            })
+            .sum();
+        specular + scattered * k * k / light.z
+    }
+
+    /// Returns the sum of Chebyshev polynomials with these coefficients at `z`, by Clenshaw's recurrence.
+    fn series<T: Copy + Into<f64>>(&self, coefficients: &[T], z: f64) -> f64 {
+        let x = (2.0 * z / self.z_max - 1.0).min(1.0);
+        let (mut b1, mut b2) = (0.0, 0.0);
+        for a in coefficients.iter().skip(1).rev() {
+            (b1, b2) = ((*a).into() + 2.0 * x * b1 - b2, b1);
+        }
+        coefficients.first().map_or(0.0, |a| (*a).into()) + x * b1 - b2
+    }
+
+    /// Returns the table of E/R over directions and visible wavelengths, made on first use.
+    pub fn table(&self) -> &ExcessTable {
+        self.table.get_or_init(|| ExcessTable::new(self.coarse.as_deref().unwrap_or(self)))
+    }
+}
+
+impl EnergyLimit for DirectionalAlbedo {
+    fn excess(&self, direction: DVec3, wavelength: f64) -> f64 {
+        if direction.z <= 0.0 {
+            return 0.0;
+        }
+        /// Reflectances below this one count as this one: a surface of the index of air has none, and no light to limit.
+        const LEAST: f64 = 1e-12;
+        self.at(direction, wavelength) / self.allowed(direction, wavelength).max(LEAST)
+    }
+
+    fn tabulated_excess(&self, direction: DVec3, wavelength: f64) -> f64 {
+        self.table().at(direction, wavelength)
+    }
+}
+
+/// E and the largest allowed reflectance at the points of a [`DirectionGrid`], for wavenumbers that are evenly spread over the visible range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExcessTable {
+    /// `[wavenumber][point]`: E and the allowed reflectance.
+    layers: Vec<Vec<[f64; 2]>>,
+}
+
+impl ExcessTable {
+    /// Wavenumbers, ends of the visible range included.
+    pub const WAVENUMBERS: usize = 12;
+
+    fn new(albedo: &DirectionalAlbedo) -> Self {
+        let layer = |number: usize| {
+            let wavelength = 1.0 / Self::wavenumber(number);
+            let point = |point: usize| {
+                if !DirectionGrid::is_read(point) {
+                    return [0.0, 1.0];
+                }
+                let direction = DirectionGrid::direction(point);
+                [albedo.at(direction, wavelength), albedo.allowed(direction, wavelength)]
+            };
+            (0..DirectionGrid::COUNT).into_par_iter().map(point).collect()
+        };
+        Self { layers: (0..Self::WAVENUMBERS).map(layer).collect() }
+    }
+
+    /// Returns the wavenumber \[µm⁻¹\] of a layer.
+    pub fn wavenumber(number: usize) -> f64 {
+        let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
+        first + (last - first) * number as f64 / (Self::WAVENUMBERS - 1) as f64
+    }
+
+    /// Returns E and the allowed reflectance of a layer at a point.
+    pub fn of_layer(&self, layer: usize, point: usize) -> [f64; 2] {
+        self.layers[layer][point]
+    }
+
+    /// Returns E/R for a direction and a wavelength \[µm\] of visible light.
+    pub fn at(&self, direction: DVec3, wavelength: f64) -> f64 {
+        let place = (1.0 / wavelength - Self::wavenumber(0)) / (Self::wavenumber(1) - Self::wavenumber(0));
+        let place = place.clamp(0.0, (Self::WAVENUMBERS - 1) as f64);
+        let first = (place as usize).min(Self::WAVENUMBERS - 2);
+        let share = place - first as f64;
+        let of = |layer: usize| {
+            DirectionGrid::interpolate(direction, |point| {
+                let [sent, allowed] = self.layers[layer][point];
+                sent / allowed.max(f64::MIN_POSITIVE)
+            })
+        };
+        of(first) * (1.0 - share) + of(first + 1) * share
+    }
+}

@@ -1,0 +1,198 @@
+//! Map of the limit of energy for one light: what colour tables and shaders read.
+
+use super::albedo::{DirectionalAlbedo, ExcessTable};
+use crate::cache::{EntryFormat, Kept, Payload};
+use crate::optics::color::xyz_to_linear_srgb;
+use crate::optics::energy::DirectionGrid;
+use crate::optics::geometry::Pair;
+use crate::optics::quadrature::Wavelengths;
+use crate::optics::spectrum::Illuminant;
+use crate::random::Random;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Limit of energy over the directions of a [`DirectionGrid`] for the colours of one light.
+///
+/// A colour has one divisor: the largest ratio of the albedo to the reflectance of a flat surface among X, Y, Z and those of linear red, green and blue that the flat surface
+/// reflects. So hues stay, and none of them exceeds that of a flat surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnergyMap {
+    /// For each point, E/R, and the share of the light that passes the surface on its way to a pigment and is not sent back, √-normalised as in [`Self::pigment`].
+    points: Vec<[f32; 2]>,
+    /// Errors of the map.
+    header: EnergyMapHeader,
+}
+
+/// Numbers of an [`EnergyMap`] beside its points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnergyMapHeader {
+    /// Largest E/R of a direction up to 85°.
+    pub largest: f64,
+    /// RMS relative error of the divisor at random directions, by interpolation.
+    pub error: f64,
+}
+
+/// Least component of a colour over its luminance that is compared: smaller ones are outside of the gamut, and their ratios mean nothing.
+const COMPARED: f64 = 0.1;
+
+/// Components of colours that are compared.
+fn components(xyz: DVec3) -> [f64; 6] {
+    let rgb = xyz_to_linear_srgb(xyz);
+    [xyz.x, xyz.y, xyz.z, rgb.x, rgb.y, rgb.z]
+}
+
+/// Returns the largest ratio of the components of `sent` to those of `allowed` that are compared.
+fn largest_ratio(sent: DVec3, allowed: DVec3) -> f64 {
+    let pairs = components(sent).into_iter().zip(components(allowed));
+    pairs.filter(|(_, a)| *a > COMPARED * allowed.y && *a > 0.0).map(|(s, a)| s / a).fold(0.0, f64::max)
+}
+
+/// Weights of the wavenumbers of an [`ExcessTable`] in a colour of `illuminant`.
+fn weights(illuminant: &Illuminant) -> Vec<DVec3> {
+    Wavelengths::catmull_rom(illuminant, ExcessTable::WAVENUMBERS).weights
+}
+
+impl EnergyMap {
+    /// Makes the map of `albedo` under `illuminant`.
+    pub fn new(albedo: &DirectionalAlbedo, illuminant: &Illuminant) -> Self {
+        let (table, weights) = (albedo.table(), weights(illuminant));
+        let white = weights.iter().copied().sum::<DVec3>();
+        let colour = |point: usize| {
+            let [mut sent, mut allowed] = [DVec3::ZERO; 2];
+            for (layer, weight) in weights.iter().enumerate() {
+                let [e, r] = table.of_layer(layer, point);
+                (sent, allowed) = (sent + *weight * e, allowed + *weight * r);
+            }
+            (sent, allowed)
+        };
+        let colours: Vec<_> = (0..DirectionGrid::COUNT).map(colour).collect();
+        let ratios: Vec<f64> = colours.iter().map(|(sent, allowed)| largest_ratio(*sent, *allowed)).collect();
+        let albedos = colours.iter().zip(&ratios).map(|((sent, _), ratio)| {
+            (largest_ratio(*sent, white) / ratio.max(1.0)).clamp(0.0, 1.0)
+        });
+        let transmitted: Vec<f64> = albedos.map(|albedo| 1.0 - albedo).collect();
+        let scale = mean_over_cosines(&transmitted).max(f64::MIN_POSITIVE).sqrt().recip();
+        let points = ratios.iter().zip(&transmitted).map(|(r, t)| [*r as f32, (t * scale) as f32]).collect();
+        let below = |degrees: f64| degrees.to_radians().cos();
+        let largest = (0..DirectionGrid::COUNT)
+            .filter(|point| DirectionGrid::direction(*point).z > below(85.0))
+            .map(|point| ratios[point])
+            .fold(0.0, f64::max);
+        let mut map = Self { points, header: EnergyMapHeader { largest, error: 0.0 } };
+        map.header.error = map.measured_error(albedo, &weights);
+        map
+    }
+
+    /// Returns the map of a surface that sends nothing anywhere.
+    pub fn dark() -> Self {
+        Self { points: vec![[0.0, 1.0]; DirectionGrid::COUNT], header: EnergyMapHeader { largest: 0.0, error: 0.0 } }
+    }
+
+    /// Compares the divisor at random directions with that from the orders.
+    fn measured_error(&self, albedo: &DirectionalAlbedo, weights: &[DVec3]) -> f64 {
+        /// Number of directions.
+        const DIRECTIONS: usize = 48;
+        let mut random = Random::new(7);
+        let mut squares = 0.0;
+        for _ in 0..DIRECTIONS {
+            let (z, turn) = (random.share().max(0.02), 2.0 * PI * random.share());
+            let across = (1.0 - z * z).sqrt();
+            let direction = DVec3::new(across * turn.cos(), across * turn.sin(), z);
+            let [mut sent, mut allowed] = [DVec3::ZERO; 2];
+            for (layer, weight) in weights.iter().enumerate() {
+                let wavelength = 1.0 / ExcessTable::wavenumber(layer);
+                sent += *weight * albedo.at(direction, wavelength);
+                allowed += *weight * albedo.allowed(direction, wavelength);
+            }
+            let exact = largest_ratio(sent, allowed).max(1.0);
+            squares += (self.excess(direction).max(1.0) / exact - 1.0).powi(2);
+        }
+        (squares / DIRECTIONS as f64).sqrt()
+    }
+
+    /// Returns E/R of colours for a direction above the horizon.
+    pub fn excess(&self, direction: DVec3) -> f64 {
+        excess(&self.points, direction)
+    }
+
+    /// Returns the divisor of the BRDF for the points of a map.
+    pub fn limit_of(points: &[[f32; 2]], pair: &Pair) -> f64 {
+        excess(points, pair.light).max(excess(points, pair.view)).max(1.0)
+    }
+
+    /// Returns the factor of a pigment below the surface: (1 − E(ω_i))(1 − E(ω_r))/(1 − Ē), the light that is not reflected on the way in, nor on the way out,
+    /// normalised by the mean of 1 − E over directions, so that a white pigment and the surface together reflect at most all light
+    /// (\[Kelemen and Szirmay-Kalos 2001\], *A microfacet based coupled specular-matte BRDF model*, Eurographics short papers).
+    pub fn pigment(&self, pair: &Pair) -> f64 {
+        let passed = |direction| DirectionGrid::interpolate(direction, |point| f64::from(self.points[point][1]));
+        passed(pair.light) * passed(pair.view)
+    }
+
+    /// Returns the points of the grid, row by row: E/R and the root of the factor of a pigment.
+    pub fn points(&self) -> &[[f32; 2]] {
+        &self.points
+    }
+
+    /// Returns the largest ratio and the error.
+    pub fn header(&self) -> EnergyMapHeader {
+        self.header
+    }
+
+    /// Returns the map of an export, whose errors are not known here; `None` if the points are not valid.
+    pub fn of_points(points: &[[f32; 2]]) -> Option<Self> {
+        let largest = points.iter().map(|[excess, _]| f64::from(*excess)).fold(0.0, f64::max);
+        Self::from_parts(EnergyMapHeader { largest, error: 0.0 }, points.to_vec())
+    }
+
+    /// Returns the map of `points` from an untrusted source; `None` if they are not valid.
+    pub fn from_parts(header: EnergyMapHeader, points: Vec<[f32; 2]>) -> Option<Self> {
+        let is_sound = Self::are_sound(&points) && header.largest.is_finite() && header.error.is_finite();
+        is_sound.then_some(Self { points, header })
+    }
+
+    /// Returns true if `points` can be those of a map.
+    pub fn are_sound(points: &[[f32; 2]]) -> bool {
+        points.len() == DirectionGrid::COUNT && points.iter().flatten().all(|x| x.is_finite() && *x >= 0.0)
+    }
+}
+
+/// Interpolates E/R between the points of a map.
+fn excess(points: &[[f32; 2]], direction: DVec3) -> f64 {
+    DirectionGrid::interpolate(direction, |point| f64::from(points[point][0]))
+}
+
+/// Returns ∫ value cos θ dω/π over the directions of the grid.
+fn mean_over_cosines(values: &[f64]) -> f64 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for (point, value) in values.iter().enumerate() {
+        let side = (DirectionGrid::SIDE - 1) as f64;
+        let at = |i: usize| 2.0 * i as f64 / side - 1.0;
+        let [x, y] = [at(point % DirectionGrid::SIDE), at(point / DirectionGrid::SIDE)];
+        // The projection keeps areas.
+        let cosine = (1.0 - x * x - y * y).max(0.0);
+        (sum, weights) = (sum + value * cosine, weights + cosine);
+    }
+    sum / weights
+}
+
+impl Kept for EnergyMap {
+    /// The version changes whenever the map of the same key would change.
+    const FORMAT: EntryFormat = EntryFormat { name: "energy", version: 1 };
+    type Header = EnergyMapHeader;
+
+    fn header(&self) -> EnergyMapHeader {
+        self.header
+    }
+
+    fn payload(&self) -> Vec<&[u8]> {
+        vec![bytemuck::cast_slice(&self.points)]
+    }
+
+    fn build(header: EnergyMapHeader, payload: &mut Payload<'_>) -> Option<Self> {
+        let numbers = payload.take::<f32>(2 * DirectionGrid::COUNT)?;
+        let points = numbers.as_chunks().0.to_vec();
+        Self::from_parts(header, points)
+    }
+}

@@ -1,0 +1,80 @@
+//! Limit of energy of a surface, for single directions and for the colours of pictures.
+
+use super::{InUse, Progress, SourceSettings, Wanted};
+use crate::brdf::albedo::{Decimation, DirectionalAlbedo};
+use crate::brdf::energy_map::EnergyMap;
+use crate::brdf::mean::MeanBrdf;
+use crate::brdf::tabulated::TabulatedMean;
+use crate::cache::{Kept, Key};
+use crate::error::{Error, Result};
+use crate::optics::coherence::SUNLIGHT_LENGTH;
+use crate::spectra::power::{OrderSeries, PowerSettings};
+use crate::surface::HeightField;
+use std::sync::Arc;
+
+/// Limit of energy, and a note for the user.
+type Limited<T> = (Option<Arc<T>>, Option<Error>);
+
+/// Returns the note of a surface that is too high for a series of its orders.
+fn too_high() -> Error {
+    Error::failed(
+        "the heights are too large for the sum over all orders that limits the energy: brightness has no limit",
+        "check the height and its unit",
+    )
+}
+
+/// Returns the limit of `field` for single directions, at wavelengths from the shortest of `settings` on; none where the theory has none.
+///
+/// # Errors
+/// Fails if there is too little memory, or with the error of `progress`.
+pub fn single_limit(
+    field: &HeightField,
+    settings: &SourceSettings,
+    progress: &Progress<'_>,
+) -> Result<Limited<DirectionalAlbedo>> {
+    let optics = &settings.optics;
+    let sigma = optics.coherence.sigma().unwrap_or(SUNLIGHT_LENGTH / 4.0);
+    let mean = MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
+    let limit = TabulatedMean::limit_of(mean, settings.shortest, &|done, of| progress("energy", done, of))?;
+    let note = (limit.is_none() && optics.reflectance.is_limited()).then(too_high);
+    Ok((limit, note))
+}
+
+/// Returns the limit of `field` for the colours of `settings`, from the data `in_use`, from the cache on disk, or made and cached; none where the theory has none.
+///
+/// # Errors
+/// Fails if there is too little memory, or with the error of `progress`.
+pub fn colour_limit(
+    field: &HeightField,
+    settings: &SourceSettings,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<Limited<EnergyMap>> {
+    let optics = &settings.optics;
+    if !optics.reflectance.is_limited() {
+        return Ok((None, None));
+    }
+    let sigma = optics.coherence.sigma().unwrap_or(SUNLIGHT_LENGTH / 4.0);
+    let powers = match settings.power_settings() {
+        Ok(powers) => powers,
+        // A finite grating has no mean over windows, and the same orders.
+        Err(_) => PowerSettings::new(sigma, optics.beyond, optics.tolerance),
+    };
+    if OrderSeries::estimate(field, &powers).is_none() {
+        return Ok((None, Some(too_high())));
+    }
+    let wanted = Wanted {
+        key: Key::new(&EnergyMap::FORMAT, &(powers, &optics.reflectance, &optics.illuminant), field)?,
+        name: "the limit of energy",
+        memory_limit: u64::from(u32::MAX),
+        cached: settings.cached,
+    };
+    let make = |in_use: &mut InUse| {
+        let series = in_use.series(field, &powers, progress)?;
+        progress("energy", 0, 1)?;
+        let albedo = DirectionalAlbedo::new(&series, &optics.reflectance, Decimation::Coarse);
+        Ok(EnergyMap::new(&albedo, &optics.illuminant))
+    };
+    let (map, note) = wanted.obtain(in_use, |in_use| &mut in_use.energies, make)?;
+    Ok((Some(map), note))
+}
