@@ -20,7 +20,8 @@ pub use line_periods::line_periods;
 pub use notes::notes;
 pub(in crate::surface) use periods::wave_vector;
 pub use periods::{Period, dominant_periods};
-pub use relief::{ProfileKind, ProfileShape, Relief};
+pub use profile_form::ProfileKind;
+pub use relief::{ProfileShape, Relief};
 pub use slopes::Slopes;
 pub use texture::Texture;
 

@@ -1,11 +1,40 @@
 //! Form of the profile that a field has across its strongest frequency.
 
-use super::ProfileKind;
 use super::harmonics::Harmonics;
 use super::height_spectrum::SurfaceSpectrum;
 use super::periods::{amplitude, refined};
 use crate::error::Result;
 use crate::surface::HeightField;
+use serde::Serialize;
+
+/// Profile of grooves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProfileKind {
+    /// One frequency.
+    Sinusoid,
+    /// Sawtooth.
+    Blaze,
+    /// Ridges with flat tops and flat grooves.
+    Lamellar,
+    /// Several frequencies without a fixed phase.
+    Rough,
+}
+
+impl ProfileKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::Sinusoid, Self::Blaze, Self::Lamellar, Self::Rough];
+
+    /// Returns the name in tables and lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sinusoid => "sinusoid",
+            Self::Blaze => "blaze",
+            Self::Lamellar => "lamellar",
+            Self::Rough => "rough",
+        }
+    }
+}
 
 /// Fewer periods over a field whose copies do not join are not resolved.
 const FEWEST_CYCLES: f64 = 3.0;

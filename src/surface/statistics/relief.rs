@@ -1,42 +1,13 @@
 //! The kind of profile that a field has, with the two lengths on which errors of scalar theory depend.
 
 use super::height_spectrum::analysed_part;
-use super::profile_form::{MeasuredSpectrum, ProfileForm};
+use super::profile_form::{MeasuredSpectrum, ProfileForm, ProfileKind};
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::metres;
 use crate::surface::tiling::{Verdict, tiles};
 use serde::Serialize;
 use std::f64::consts::{SQRT_2, TAU};
-
-/// Profile of grooves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ProfileKind {
-    /// One frequency.
-    Sinusoid,
-    /// Sawtooth.
-    Blaze,
-    /// Ridges with flat tops and flat grooves.
-    Lamellar,
-    /// Several frequencies without a fixed phase.
-    Rough,
-}
-
-impl ProfileKind {
-    /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Sinusoid, Self::Blaze, Self::Lamellar, Self::Rough];
-
-    /// Returns the name in tables and lines.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sinusoid => "sinusoid",
-            Self::Blaze => "blaze",
-            Self::Lamellar => "lamellar",
-            Self::Rough => "rough",
-        }
-    }
-}
 
 /// Grooves in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
