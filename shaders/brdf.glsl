@@ -15,7 +15,7 @@ layout(set = 1, binding = 8, std140) uniform SurfaceMedium {
 // Over the wavenumbers of the visible range, in rows: R over the cosine at the half vector by Stam's theory, or n and k.
 layout(set = 1, binding = 9) uniform sampler2D reflectances;
 
-// Limit of energy over Lambert's equal-area projection of the directions, ends included (src/optics/energy.rs).
+// Limit of energy over a square of directions, ends included (src/optics/energy.rs).
 layout(set = 1, binding = 10) uniform sampler2D energy;
 
 // Returns R of a dielectric in air for unpolarised light by Fresnel's equations [Walter et al. 2007, eq. 22], with
@@ -46,7 +46,8 @@ float dielectric(float index, float cosine) {
 
 vec2 energy_at(vec3 direction) {
     vec2 size = vec2(textureSize(energy, 0));
-    vec2 place = 0.5 + 0.5 * direction.xy * inversesqrt(1.0 + max(direction.z, 0.0));
+    float z = max(direction.z, 0.0);
+    vec2 place = 0.5 + 0.5 * direction.xy * inversesqrt((1.0 + sqrt(z)) * (1.0 + z));
     return textureLod(energy, (place * (size - 1.0) + 0.5) / size, 0.0).rg;
 }
 

@@ -36,6 +36,6 @@ void main() {
     answers[n++] = vec4(source.texture_size, source.origin);
     answers[n++] = vec4(source.texels_per_frequency, source.band);
     answers[n++] = vec4(source.sigma, source.half_range, source.column);
-    answers[n++] = vec4(source.pairs_per_z, source.fewest_pairs, source.half_range, 0.0);
+    answers[n++] = vec4(source.pairs_per_z, source.fewest_pairs, 0.0, 0.0);
     answers[n++] = vec4(float(UV_BINS), 0.0, 0.0, 0.0);
 }

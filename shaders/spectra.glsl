@@ -10,10 +10,10 @@ layout(set = 1, binding = 0, std140) uniform Spectra {
     vec2 texels_per_frequency;      // L_x, L_y [um]
     vec2 band;                      // largest |f_x|, |f_y| in the layers [1/um]
     float sigma;                    // standard deviation of the Gaussian window [um]
+    float half_range;               // a: half the range of heights [um]
     vec2 column;                    // texture coordinate of `coefficients` at z = k|w| = 0, and per unit of z [um]
     float pairs_per_z;              // pairs of terms at k|w|: ceil(pairs_per_z k|w| + fewest_pairs)
     float fewest_pairs;
-    float half_range;               // a: half the range of heights [um]
 } source;
 
 // Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the peak of a flat

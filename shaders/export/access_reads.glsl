@@ -19,10 +19,11 @@ vec4 table_row(float place, int row) {
     return mix(a, b, column - left);
 }
 
-// Returns the limit of energy in Lambert's equal-area projection of the directions: the directional albedo over the reflectance of a flat
+// Returns the limit of energy of a direction: the directional albedo over the reflectance of a flat
 // surface, and the root of the factor of a pigment.
 vec2 energy_at(vec3 direction) {
-    vec2 place = (0.5 + 0.5 * direction.xy * inversesqrt(1.0 + max(direction.z, 0.0))) * (SIDE - 1.0);
+    float z = max(direction.z, 0.0);
+    vec2 place = (0.5 + 0.5 * direction.xy * inversesqrt((1.0 + sqrt(z)) * (1.0 + z))) * (SIDE - 1.0);
     place = clamp(place, vec2(0.0), vec2(SIDE - 1.0));
     vec2 corner = min(floor(place), vec2(SIDE - 2.0));
     ivec2 first = ivec2(corner) + ivec2(0, FIRST_ENERGY);

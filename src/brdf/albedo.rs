@@ -1,10 +1,11 @@
 //! Directional albedo of a surface from its orders, and the limit of energy that follows from it ([`crate::optics::energy`]).
 
+use super::energy_map::ColourWeights;
 use crate::optics::energy::{DirectionGrid, EnergyLimit};
 use crate::optics::geometry::Pair;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
-use crate::optics::spectrum::{LONGEST, SHORTEST};
+use crate::optics::spectrum::{Illuminant, LONGEST, SHORTEST};
 use crate::spectra::power::OrderSeries;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -120,13 +121,18 @@ impl DirectionalAlbedo {
 
     /// Returns E, the share of the light from `light` at `wavelength` \[µm\] that is sent into all directions, unpolarised and without a limit.
     pub fn at(&self, light: DVec3, wavelength: f64) -> f64 {
+        self.sent(light, wavelength, |_| 1.0)
+    }
+
+    /// Returns the share of the light from `light` at `wavelength` \[µm\] that is sent into all directions, each of which counts by `weight`.
+    pub fn sent(&self, light: DVec3, wavelength: f64, weight: impl Fn(DVec3) -> f64) -> f64 {
         if light.z <= 0.0 {
             return 0.0;
         }
         let k = TAU / wavelength;
         let factor = self.reflectance.at_wavelength(wavelength).of_light(light);
-        let w = 2.0 * light.z;
-        let specular = factor.toward(DVec3::new(-light.x, -light.y, light.z)) / (light.z * w * w) * self.series(&self.specular, k * w).max(0.0);
+        let (w, mirror) = (2.0 * light.z, DVec3::new(-light.x, -light.y, light.z));
+        let specular = weight(mirror) * factor.toward(mirror) / (light.z * w * w) * self.series(&self.specular, k * w).max(0.0);
         let scattered: f64 = self
             .frequencies
             .iter()
@@ -138,7 +144,7 @@ impl DirectionalAlbedo {
                     return 0.0;
                 }
                 let view = across.extend((1.0 - squared).sqrt());
-                factor.toward(view) * self.series(coefficients, k * (light.z + view.z)).max(0.0)
+                weight(view) * factor.toward(view) * self.series(coefficients, k * (light.z + view.z)).max(0.0)
             })
             .sum();
         specular + scattered * k * k / light.z
@@ -154,14 +160,15 @@ impl DirectionalAlbedo {
         coefficients.first().map_or(0.0, |a| (*a).into()) + x * b1 - b2
     }
 
-    /// Returns the table of E/R over directions and visible wavelengths, made on first use.
+    /// Returns the table of E and R over directions and visible wavelengths, made on first use.
     pub fn table(&self) -> &ExcessTable {
         self.table.get_or_init(|| ExcessTable::new(self.coarse.as_deref().unwrap_or(self)))
     }
 }
 
-impl EnergyLimit for DirectionalAlbedo {
-    fn excess(&self, direction: DVec3, wavelength: f64) -> f64 {
+impl DirectionalAlbedo {
+    /// Returns E/R for light from `direction` at `wavelength` \[µm\].
+    pub fn excess(&self, direction: DVec3, wavelength: f64) -> f64 {
         if direction.z <= 0.0 {
             return 0.0;
         }
@@ -169,9 +176,22 @@ impl EnergyLimit for DirectionalAlbedo {
         const LEAST: f64 = 1e-12;
         self.at(direction, wavelength) / self.allowed(direction, wavelength).max(LEAST)
     }
+}
 
-    fn tabulated_excess(&self, direction: DVec3, wavelength: f64) -> f64 {
-        self.table().at(direction, wavelength)
+impl EnergyLimit for DirectionalAlbedo {
+    fn single(&self, pair: &Pair, wavelength: f64) -> f64 {
+        self.excess(pair.light, wavelength).max(self.excess(pair.view, wavelength)).max(1.0)
+    }
+
+    fn colour(&self, pair: &Pair, illuminant: &Illuminant) -> f64 {
+        let weights = ColourWeights::new(illuminant);
+        let excess = |direction: DVec3| {
+            weights.excess(|layer| {
+                let wavelength = 1.0 / ExcessTable::wavenumber(layer);
+                [self.at(direction, wavelength), self.allowed(direction, wavelength)]
+            })
+        };
+        excess(pair.light).max(excess(pair.view)).max(1.0)
     }
 }
 
@@ -210,20 +230,5 @@ impl ExcessTable {
     /// Returns E and the allowed reflectance of a layer at a point.
     pub fn of_layer(&self, layer: usize, point: usize) -> [f64; 2] {
         self.layers[layer][point]
-    }
-
-    /// Returns E/R for a direction and a wavelength \[µm\] of visible light.
-    pub fn at(&self, direction: DVec3, wavelength: f64) -> f64 {
-        let place = (1.0 / wavelength - Self::wavenumber(0)) / (Self::wavenumber(1) - Self::wavenumber(0));
-        let place = place.clamp(0.0, (Self::WAVENUMBERS - 1) as f64);
-        let first = (place as usize).min(Self::WAVENUMBERS - 2);
-        let share = place - first as f64;
-        let of = |layer: usize| {
-            DirectionGrid::interpolate(direction, |point| {
-                let [sent, allowed] = self.layers[layer][point];
-                sent / allowed.max(f64::MIN_POSITIVE)
-            })
-        };
-        of(first) * (1.0 - share) + of(first + 1) * share
     }
 }

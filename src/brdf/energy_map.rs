@@ -3,7 +3,7 @@
 use super::albedo::{DirectionalAlbedo, ExcessTable};
 use crate::cache::{EntryFormat, Kept, Payload};
 use crate::optics::color::xyz_to_linear_srgb;
-use crate::optics::energy::DirectionGrid;
+use crate::optics::energy::{DirectionGrid, EnergyLimit};
 use crate::optics::geometry::Pair;
 use crate::optics::quadrature::Wavelengths;
 use crate::optics::spectrum::Illuminant;
@@ -30,7 +30,7 @@ pub struct EnergyMap {
 pub struct EnergyMapHeader {
     /// Largest E/R of a direction up to 85°.
     pub largest: f64,
-    /// RMS relative error of the divisor at random directions, by interpolation.
+    /// RMS relative error of the divisor at random directions, by interpolation; 0 if not measured.
     pub error: f64,
 }
 
@@ -49,27 +49,41 @@ fn largest_ratio(sent: DVec3, allowed: DVec3) -> f64 {
     pairs.filter(|(_, a)| *a > COMPARED * allowed.y && *a > 0.0).map(|(s, a)| s / a).fold(0.0, f64::max)
 }
 
-/// Weights of the wavenumbers of an [`ExcessTable`] in a colour of `illuminant`.
-fn weights(illuminant: &Illuminant) -> Vec<DVec3> {
-    Wavelengths::catmull_rom(illuminant, ExcessTable::WAVENUMBERS).weights
+/// Weights of the wavenumbers of an [`ExcessTable`] in a colour of one light.
+pub struct ColourWeights(Vec<DVec3>);
+
+impl ColourWeights {
+    /// Returns the weights under `illuminant`.
+    pub fn new(illuminant: &Illuminant) -> Self {
+        Self(Wavelengths::catmull_rom(illuminant, ExcessTable::WAVENUMBERS).weights)
+    }
+
+    /// Returns XYZ of the albedo and of the allowed reflectance, which `at` returns for the number of a wavenumber.
+    fn colours(&self, at: impl Fn(usize) -> [f64; 2]) -> [DVec3; 2] {
+        let [mut sent, mut allowed] = [DVec3::ZERO; 2];
+        for (layer, weight) in self.0.iter().enumerate() {
+            let [e, r] = at(layer);
+            (sent, allowed) = (sent + *weight * e, allowed + *weight * r);
+        }
+        [sent, allowed]
+    }
+
+    /// Returns E/R of the colour.
+    pub fn excess(&self, at: impl Fn(usize) -> [f64; 2]) -> f64 {
+        let [sent, allowed] = self.colours(at);
+        largest_ratio(sent, allowed)
+    }
 }
 
 impl EnergyMap {
-    /// Makes the map of `albedo` under `illuminant`.
+    /// Makes the map of `albedo` under `illuminant`; its error is not measured.
     pub fn new(albedo: &DirectionalAlbedo, illuminant: &Illuminant) -> Self {
-        let (table, weights) = (albedo.table(), weights(illuminant));
-        let white = weights.iter().copied().sum::<DVec3>();
-        let colour = |point: usize| {
-            let [mut sent, mut allowed] = [DVec3::ZERO; 2];
-            for (layer, weight) in weights.iter().enumerate() {
-                let [e, r] = table.of_layer(layer, point);
-                (sent, allowed) = (sent + *weight * e, allowed + *weight * r);
-            }
-            (sent, allowed)
-        };
-        let colours: Vec<_> = (0..DirectionGrid::COUNT).map(colour).collect();
-        let ratios: Vec<f64> = colours.iter().map(|(sent, allowed)| largest_ratio(*sent, *allowed)).collect();
-        let albedos = colours.iter().zip(&ratios).map(|((sent, _), ratio)| {
+        let (table, weights) = (albedo.table(), ColourWeights::new(illuminant));
+        let white = weights.0.iter().copied().sum::<DVec3>();
+        let colours: Vec<[DVec3; 2]> =
+            (0..DirectionGrid::COUNT).map(|point| weights.colours(|layer| table.of_layer(layer, point))).collect();
+        let ratios: Vec<f64> = colours.iter().map(|[sent, allowed]| largest_ratio(*sent, *allowed)).collect();
+        let albedos = colours.iter().zip(&ratios).map(|([sent, _], ratio)| {
             (largest_ratio(*sent, white) / ratio.max(1.0)).clamp(0.0, 1.0)
         });
         let transmitted: Vec<f64> = albedos.map(|albedo| 1.0 - albedo).collect();
@@ -80,8 +94,24 @@ impl EnergyMap {
             .filter(|point| DirectionGrid::direction(*point).z > below(85.0))
             .map(|point| ratios[point])
             .fold(0.0, f64::max);
-        let mut map = Self { points, header: EnergyMapHeader { largest, error: 0.0 } };
-        map.header.error = map.measured_error(albedo, &weights);
+        Self { points, header: EnergyMapHeader { largest, error: 0.0 } }
+    }
+
+    /// Returns the map of `albedo` under `illuminant` with its error: the divisor at random directions against that from the orders.
+    pub fn measured(albedo: &DirectionalAlbedo, illuminant: &Illuminant) -> Self {
+        /// Number of directions.
+        const DIRECTIONS: usize = 48;
+        let mut map = Self::new(albedo, illuminant);
+        let mut random = Random::new(7);
+        let mut squares = 0.0;
+        for _ in 0..DIRECTIONS {
+            let (z, turn) = (random.share().max(0.02), 2.0 * PI * random.share());
+            let across = (1.0 - z * z).sqrt();
+            let direction = DVec3::new(across * turn.cos(), across * turn.sin(), z);
+            let exact = albedo.colour(&Pair::new(direction, direction), illuminant);
+            squares += (map.excess(direction).max(1.0) / exact - 1.0).powi(2);
+        }
+        map.header.error = (squares / DIRECTIONS as f64).sqrt();
         map
     }
 
@@ -90,31 +120,14 @@ impl EnergyMap {
         Self { points: vec![[0.0, 1.0]; DirectionGrid::COUNT], header: EnergyMapHeader { largest: 0.0, error: 0.0 } }
     }
 
-    /// Compares the divisor at random directions with that from the orders.
-    fn measured_error(&self, albedo: &DirectionalAlbedo, weights: &[DVec3]) -> f64 {
-        /// Number of directions.
-        const DIRECTIONS: usize = 48;
-        let mut random = Random::new(7);
-        let mut squares = 0.0;
-        for _ in 0..DIRECTIONS {
-            let (z, turn) = (random.share().max(0.02), 2.0 * PI * random.share());
-            let across = (1.0 - z * z).sqrt();
-            let direction = DVec3::new(across * turn.cos(), across * turn.sin(), z);
-            let [mut sent, mut allowed] = [DVec3::ZERO; 2];
-            for (layer, weight) in weights.iter().enumerate() {
-                let wavelength = 1.0 / ExcessTable::wavenumber(layer);
-                sent += *weight * albedo.at(direction, wavelength);
-                allowed += *weight * albedo.allowed(direction, wavelength);
-            }
-            let exact = largest_ratio(sent, allowed).max(1.0);
-            squares += (self.excess(direction).max(1.0) / exact - 1.0).powi(2);
-        }
-        (squares / DIRECTIONS as f64).sqrt()
-    }
-
     /// Returns E/R of colours for a direction above the horizon.
     pub fn excess(&self, direction: DVec3) -> f64 {
         excess(&self.points, direction)
+    }
+
+    /// Returns the divisor of the BRDF.
+    pub fn limit(&self, pair: &Pair) -> f64 {
+        Self::limit_of(&self.points, pair)
     }
 
     /// Returns the divisor of the BRDF for the points of a map.
@@ -165,15 +178,8 @@ fn excess(points: &[[f32; 2]], direction: DVec3) -> f64 {
 
 /// Returns ∫ value cos θ dω/π over the directions of the grid.
 fn mean_over_cosines(values: &[f64]) -> f64 {
-    let (mut sum, mut weights) = (0.0, 0.0);
-    for (point, value) in values.iter().enumerate() {
-        let side = (DirectionGrid::SIDE - 1) as f64;
-        let at = |i: usize| 2.0 * i as f64 / side - 1.0;
-        let [x, y] = [at(point % DirectionGrid::SIDE), at(point / DirectionGrid::SIDE)];
-        // The projection keeps areas.
-        let cosine = (1.0 - x * x - y * y).max(0.0);
-        (sum, weights) = (sum + value * cosine, weights + cosine);
-    }
+    let weighed = values.iter().enumerate().map(|(point, value)| (value * DirectionGrid::weight(point), DirectionGrid::weight(point)));
+    let (sum, weights) = weighed.fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
     sum / weights
 }
 

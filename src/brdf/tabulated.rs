@@ -2,6 +2,7 @@
 //! every order, and a direction sums the few orders around it.
 
 use super::albedo::{Decimation, DirectionalAlbedo};
+use super::energy_map::EnergyMap;
 use super::mean::MeanBrdf;
 use super::seen_part::SeenPart;
 use super::spread::{CUT, NEAREST, Spread};
@@ -254,11 +255,6 @@ impl<'a> TabulatedMean<'a> {
         self.mean.reflectance.cosine_weighted(pair, wavelength, 1.0, power)
     }
 
-    /// Returns the divisor by the limit of energy for a wavelength of a colour.
-    fn limit_in_colours(&self, pair: &Pair, wavelength: f64) -> f64 {
-        self.limit.as_ref().map_or(1.0, |limit| limit.in_colours(pair, wavelength))
-    }
-
     /// Returns XYZ of f cos θ_i \[sr⁻¹\] of each pair under `illuminant`, averaged over its covariance, by these
     /// `orders`.
     ///
@@ -277,6 +273,7 @@ impl<'a> TabulatedMean<'a> {
         let distinct: std::collections::BTreeSet<usize> = counts.iter().copied().collect();
         let sets: BTreeMap<usize, Wavelengths> =
             distinct.into_par_iter().map(|n| (n, Wavelengths::catmull_rom(illuminant, n))).collect();
+        let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
         let mut colours = Vec::with_capacity(pairs.len());
         for (pairs_now, counts_now) in pairs.chunks(AT_ONCE).zip(counts.chunks(AT_ONCE)) {
             progress(colours.len(), pairs.len())?;
@@ -287,8 +284,8 @@ impl<'a> TabulatedMean<'a> {
                             SummedOrders::All => self.power(uvw, q, footprint),
                             SummedOrders::Scattered => self.scattered_power(uvw, q, footprint),
                         };
-                        self.weighted(pair, wavelength, power) / self.limit_in_colours(pair, wavelength)
-                    })
+                        self.weighted(pair, wavelength, power)
+                    }) / energy.as_ref().map_or(1.0, |energy| energy.limit(pair))
                 })
             }));
         }
@@ -299,13 +296,14 @@ impl<'a> TabulatedMean<'a> {
     /// Returns XYZ of the light reflected toward `view` by the specular order from surroundings of radiance 1.
     pub fn mirrored(&self, illuminant: &Illuminant, views: &[DVec3]) -> Vec<DVec3> {
         let wavelengths = Wavelengths::catmull_rom(illuminant, self.sampling.nodes);
+        let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
         let of = |view: &DVec3| {
             let pair = Pair::new(DVec3::new(-view.x, -view.y, view.z), *view);
             // The integral of the lobe's density over (u, v) is 1/q², and du dv = cos θ_i dω_i.
             let power = |uvw: DVec3, q: f64| self.specular_order(uvw, q) / (q * q);
-            wavelengths.integral(|wavelength| {
-                self.weighted(&pair, wavelength, power) / self.limit_in_colours(&pair, wavelength)
-            }) / view.z.max(f64::MIN_POSITIVE)
+            let limit = energy.as_ref().map_or(1.0, |energy| energy.limit(&pair));
+            wavelengths.integral(|wavelength| self.weighted(&pair, wavelength, power))
+                / (limit * view.z.max(f64::MIN_POSITIVE))
         };
         views.par_iter().map(of).collect()
     }

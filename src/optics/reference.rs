@@ -94,7 +94,8 @@ impl<'a> Reference<'a> {
         let count = self.colour_nodes(pair, COLOUR_NODES)?;
         let wavelengths = Wavelengths::catmull_rom(illuminant, count);
         let (first, step) = wavelengths.first_and_step();
-        Ok(self.colour_of(pair, &wavelengths, &self.power(pair.uvw(), first, step, count)))
+        let limit = self.limit.as_ref().map_or(1.0, |limit| limit.colour(pair, illuminant));
+        Ok(self.colour_of(pair, &wavelengths, &self.power(pair.uvw(), first, step, count)) / limit)
     }
 
     /// Returns the height field.
@@ -112,14 +113,13 @@ impl<'a> Reference<'a> {
         self.windows
     }
 
-    /// Returns XYZ of f·cos θ_i from |P|² \[µm⁴\] at each of `wavelengths`.
+    /// Returns XYZ of f·cos θ_i from |P|² \[µm⁴\] at each of `wavelengths`, without a limit of energy.
     pub(super) fn colour_of(&self, pair: &Pair, wavelengths: &Wavelengths, power: &[f64]) -> DVec3 {
         let area = self.coherence.area(self.field.patch_size());
         let nodes = wavelengths.wavenumbers.iter().zip(&wavelengths.weights);
         let terms = nodes.zip(power).map(|((q, weight), power)| {
             let wavelength = 1.0 / q;
-            let limit = self.limit.as_ref().map_or(1.0, |limit| limit.in_colours(pair, wavelength));
-            *weight * (self.reflectance.cosine_weighted(pair, wavelength, area, *power) / limit)
+            *weight * self.reflectance.cosine_weighted(pair, wavelength, area, *power)
         });
         terms.sum()
     }

@@ -3,9 +3,9 @@
 use super::evaluator::{AT_ONCE, Evaluator, Query};
 use super::source::Source;
 use crate::brdf::albedo::DirectionalAlbedo;
+use crate::brdf::energy_map::EnergyMap;
 use crate::brdf::{Brdf, without_cosine};
 use crate::error::Result;
-use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
@@ -22,6 +22,8 @@ pub struct DeviceBrdf {
     evaluator: Evaluator,
     grating: Option<PeriodicFactor>,
     limit: Option<Arc<DirectionalAlbedo>>,
+    // Limit of the colours of a grating, which are sums over single wavelengths.
+    energy: Option<Arc<EnergyMap>>,
 }
 
 impl DeviceBrdf {
@@ -38,7 +40,7 @@ impl DeviceBrdf {
             }),
             _ => None,
         };
-        Ok(Self { evaluator: Evaluator::new(device, source, optics)?, grating, limit: None })
+        Ok(Self { evaluator: Evaluator::new(device, source, optics)?, grating, limit: None, energy: source.energy().cloned() })
     }
 
     /// Returns the same BRDF with single wavelengths within a limit of energy; colours have that of the source.
@@ -49,8 +51,11 @@ impl DeviceBrdf {
     fn ask(&mut self, pairs: &[Pair], wavelength: Option<f64>) -> Result<Vec<DVec3>> {
         let weighted = match &self.grating {
             Some(grating) => {
-                let limit = self.limit.as_deref().filter(|_| wavelength.is_none());
-                grating.cosine_weighted(&mut self.evaluator, pairs, wavelength, limit)?
+                let mut weighted = grating.cosine_weighted(&mut self.evaluator, pairs, wavelength)?;
+                if let (None, Some(energy)) = (wavelength, &self.energy) {
+                    weighted.iter_mut().zip(pairs).for_each(|(f, pair)| *f /= energy.limit(pair));
+                }
+                weighted
             }
             None => {
                 let queries: Vec<Query> = pairs.iter().map(|&pair| Query { pair, wavelength }).collect();
@@ -89,13 +94,12 @@ struct PeriodicFactor {
 
 impl PeriodicFactor {
     /// Returns f·cos θ_i \[sr⁻¹\] of every pair: the value at `wavelength` \[µm\] in all three components, or the XYZ
-    /// of the colour, whose wavelengths are divided by `limit`.
+    /// of the colour, without a limit of energy.
     fn cosine_weighted(
         &self,
         evaluator: &mut Evaluator,
         pairs: &[Pair],
         wavelength: Option<f64>,
-        limit: Option<&DirectionalAlbedo>,
     ) -> Result<Vec<DVec3>> {
         let mut sums = vec![DVec3::ZERO; pairs.len()];
         // Responses of one period, each with the pair that it belongs to and its weight there.
@@ -103,10 +107,7 @@ impl PeriodicFactor {
         for (place, &pair) in pairs.iter().enumerate() {
             let Wavelengths { wavenumbers, weights } = self.wavelengths(&pair, wavelength)?;
             let single = |q: f64| Query { pair, wavelength: Some(1.0 / q) };
-            let divisor = |q: f64| limit.map_or(1.0, |limit| limit.in_colours(&pair, 1.0 / q));
-            asked.extend(
-                wavenumbers.into_iter().zip(weights).map(|(q, weight)| (single(q), place, weight / divisor(q))),
-            );
+            asked.extend(wavenumbers.into_iter().zip(weights).map(|(q, weight)| (single(q), place, weight)));
             if asked.len() >= AT_ONCE {
                 add(evaluator, &mut asked, &mut sums)?;
             }

@@ -142,20 +142,25 @@ impl<'a> PixelReference<'a> {
             let pair = |i: usize| Pair::new(unit(seen.light[i]), unit(seen.view[i]));
             let asked: Vec<(Pair, Covariance)> =
                 pixels.iter().map(|&i| (pair(i), seen.covariance(i))).collect();
+            let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
             let diffracted = self.diffracted(seen, &asked, illuminant, &|done, of| {
                 progress(number * of + done, lights * of)
             })?;
             let white = xyz_to_linear_srgb(illuminant.white());
-            let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
             for ((color, &i), ((pair, _), xyz)) in
                 colors.iter_mut().zip(pixels).zip(asked.iter().zip(diffracted))
             {
                 if !pair.above_horizon() {
                     continue;
                 }
+                let limit = match (&self.by, &energy) {
+                    // Sums through windows have no limit of their own here.
+                    (By::Windows(_), Some(energy)) => energy.limit(pair),
+                    _ => 1.0,
+                };
                 let passed = self.passed_to_pigment(pair, energy.as_ref());
                 let pigmented = white * base_color * (passed * pair.light.z / PI);
-                *color += (xyz_to_linear_srgb(xyz) + pigmented) * seen.irradiance(i) * PI;
+                *color += (xyz_to_linear_srgb(xyz) / limit + pigmented) * seen.irradiance(i) * PI;
             }
             self.add_mirrored(seen, pixels, &mut colors);
         }

@@ -73,7 +73,7 @@ pub fn colour_limit(
         let series = in_use.series(field, &powers, progress)?;
         progress("energy", 0, 1)?;
         let albedo = DirectionalAlbedo::new(&series, &optics.reflectance, Decimation::Coarse);
-        Ok(EnergyMap::new(&albedo, &optics.illuminant))
+        Ok(EnergyMap::measured(&albedo, &optics.illuminant))
     };
     let (map, note) = wanted.obtain(in_use, |in_use| &mut in_use.energies, make)?;
     Ok((Some(map), note))

@@ -85,6 +85,7 @@ mod tests {
     use crate::budget::{ErrorBudget, MeanBudget};
     use crate::cache::{Key, Store, read, seal};
     use crate::optics::material::Material;
+    use crate::optics::energy::DirectionGrid;
     use crate::optics::reflectance::{Film, Reflectance};
     use crate::optics::spectrum::Illuminant;
     use crate::surface::HeightField;
@@ -109,6 +110,8 @@ mod tests {
             basis_error: 1e-3,
             effective_orders: 3.0,
             mean_reflectance: Some(MeanReflectance::new(&Reflectance::Schlick(1.5))),
+            indices: Some(IndexTriple::of(&Reflectance::default())),
+            energy: Some(vec![[0.5, 1.0]; DirectionGrid::COUNT]),
         };
         let numbers =
             |side: usize| (0..side * side * 2 * 8).map(|i| f16::from_f32(i as f32 * 0.01)).collect();

@@ -72,7 +72,7 @@ pub fn window(layers: &Layers) -> Source {
 /// What is shaded from `layers` of one period of `field`, repeated.
 pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source {
     let repeats = Repeats { copies, period: field.patch_size() };
-    Source::Grating(Grating { layers: Arc::new(layers.clone()), repeats })
+    Source::Grating(Grating { layers: Arc::new(layers.clone()), repeats, energy: None })
 }
 
 pub fn layers(field: &HeightField, optics: &Optics) -> Layers {

@@ -58,18 +58,17 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             texels_per_frequency: [105.0, 106.0],
             band: [107.0, 108.0],
             sigma: 109.0,
-            index: 110.0,
+            half_range: 110.0,
             column: [111.0, 112.0],
             pairs_per_z: 113.0,
             fewest_pairs: 114.0,
-            half_range: 115.0,
-            padding: 0.0,
+            padding: [0.0; 2],
         };
         expected.extend([
             [101.0, 102.0, 103.0, 104.0],
             [105.0, 106.0, 107.0, 108.0],
             [109.0, 110.0, 111.0, 112.0],
-            [113.0, 114.0, 115.0, 0.0],
+            [113.0, 114.0, 0.0, 0.0],
             [UV_BINS as f32, 0.0, 0.0, 0.0],
         ]);
 

@@ -5,6 +5,7 @@ use diffract::optics::coherence::Coherence;
 use diffract::optics::geometry::Pair;
 use diffract::optics::grating;
 use diffract::optics::reference::Reference;
+use diffract::optics::reflectance::Reflectance;
 use diffract::surface::HeightField;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -28,7 +29,7 @@ fn albedo(reference: &Reference, light: DVec3, weight: impl Fn(DVec3) -> f64) ->
 }
 
 /// How far the albedo of a flat surface of refractive index `ior` is from 1 at the worst of three angles.
-fn energy_deviation(ior: f64) -> f64 {
+fn energy_deviation(ior: impl Into<Reflectance>) -> f64 {
     let mirror = flat([4, 4], [0.1, 0.1]); // 0.1 µm holds |u| ≤ 2 at 0.55 µm
     let reference = Reference::new(&mirror, SMALL, [1, 1], ior);
     let lost = [0.0, 30.0, 45.0].map(|theta| (albedo(&reference, toward(theta, 20.0), |_| 1.0) - 1.0).abs());

@@ -10,6 +10,7 @@ mod colour;
 mod efficiency;
 mod ends;
 mod facets;
+mod furnace;
 mod invariants;
 mod plain;
 mod properties;

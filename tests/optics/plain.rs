@@ -1,13 +1,14 @@
 //! Surfaces, directions and sums, written from the definitions and nothing else.
 
+use diffract::optics::reflectance::Reflectance;
 use diffract::surface::HeightField;
 use glam::{DVec2, DVec3};
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// A refractive index whose Schlick reflectance is 1 to 4e-15 in every direction.
-pub const MIRROR: f64 = 1e15;
+/// A refractive index whose Schlick reflectance is 1 to 4e-15 in every direction, with Stam's factor.
+pub const MIRROR: Reflectance = Reflectance::Schlick(1e15);
 
 /// The surface z = `height`(x, y) \[µm\] about the patch centre, sampled at cell centres, the largest y in the first row.
 pub fn surface(samples: [usize; 2], pixel: [f64; 2], height: impl Fn(f64, f64) -> f64) -> HeightField {

@@ -50,14 +50,14 @@ pub struct SpectraBlock {
     pub band: [f32; 2],
     /// σ of the window \[µm\].
     pub sigma: f32,
+    /// Half the range of heights \[µm\].
+    pub half_range: f32,
     /// Texture coordinate of the coefficients at k|w| = 0, and its change per unit of k|w| \[µm\].
     pub column: [f32; 2],
     /// Pairs of terms needed at k|w|: ⌈`pairs_per_z`·k|w| + `fewest_pairs`⌉.
     pub pairs_per_z: f32,
     /// See `pairs_per_z`.
     pub fewest_pairs: f32,
-    /// Half the range of heights \[µm\].
-    pub half_range: f32,
     /// std140 rounds a block up to 16 bytes.
     pub padding: [f32; 2],
 }

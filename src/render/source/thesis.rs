@@ -45,10 +45,11 @@ struct ThesisBlock {
     sigma: f32,
     half_range: f32,
     wavelengths: i32,
+    gap: f32,
     bins_per_frequency: [f32; 2],
     origin: [f32; 2],
     band: [f32; 2],
-    padding: [f32; 3],
+    padding: [f32; 2],
 }
 
 impl Thesis {
@@ -78,7 +79,7 @@ impl Thesis {
             // The shader truncates.
             origin: layers.origin.map(|n| n as f32 + 0.5),
             band: pair(layers.band),
-            padding: [0.0; 3],
+            ..ThesisBlock::default()
         };
         bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs());
         let wavelengths = WavelengthTexture::even(&optics.illuminant, WAVELENGTHS);
