@@ -18,6 +18,7 @@ use crate::optics::material::Material;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
+use crate::optics::theory::Theory;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::surface::files::write::ScanFormat;
 use crate::surface::files::{Topography, image};
@@ -61,6 +62,9 @@ pub struct Info {
     /// Polarisation of the light, for the errors of scalar theory: te (along the grooves), tm (across them) or none [default: none]
     #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
     polarisation: Option<Polarisation>,
+    /// Theory whose errors are told: small-slope or stam, as in `render` [default: small-slope]
+    #[arg(long, value_name = "small-slope|stam", value_parser = Theory::from_name)]
+    theory: Option<Theory>,
     /// Draw a figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -115,7 +119,7 @@ impl Info {
     fn reflectance(&self) -> Reflectance {
         let material = self.material.clone();
         let unpolarised = material.map_or_else(Reflectance::default, |m| Reflectance::of_material(m, None));
-        unpolarised.polarised(self.polarisation.unwrap_or_default())
+        unpolarised.polarised(self.polarisation.unwrap_or_default()).by(self.theory.unwrap_or_default())
     }
 
     /// Returns the errors of scalar theory for `field` in the light that the options name.

@@ -1,8 +1,9 @@
-"""Compares the errors that `diffract surface info` looks up for gratings outside of the grid with those of the solver. `python check.py DIFFRACT`.
+"""Compares the errors that `diffract surface info` looks up for gratings outside of the grid with those of the solver. `python check.py --help`.
 
 Both are means over the wavelengths of daylight, as a picture has them. The material is that of the table at every wavelength.
 """
 
+import argparse
 import json
 import os
 import subprocess
@@ -16,6 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 import grid
+import scalar
 import table
 
 # Kind, material, period and height in wavelengths: drawn at random, evenly in the logarithms, more than 6 % from the periods of the grid.
@@ -41,8 +43,8 @@ SMALLEST = 0.01
 OPTIONS = {"metal": ["--material", "aluminium"], "dielectric": []}
 
 
-def looked_up(diffract, kind, material, period, height):
-    """Returns {angle: error} that the program tells of a height field of the grating."""
+def looked_up(diffract, theory, kind, material, period, height):
+    """Returns {angle: error} of `theory` that the program tells of a height field of the grating."""
     curve = grid.curves(grid.Point(kind, material, period, height, 0))[0]
     repeats, columns, rows = 8, 1024, 16
     spacing = repeats * period / columns
@@ -52,11 +54,11 @@ def looked_up(diffract, kind, material, period, height):
         path = Path(folder) / "grating.npy"
         np.save(path, np.tile(profile, (rows, 1)))
         pixel = f"{spacing * WAVELENGTH * 1e3}nm"
-        command = [diffract, "surface", "info", path, "--pixel-size", pixel, "--json", *OPTIONS[material]]
-        theory = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["scalar_theory"]
-    if theory["grooves"] and theory["grooves"]["profile"] != kind:
-        print(f"{kind} is taken for {theory['grooves']['profile']}", file=sys.stderr)
-    return {error["angle_deg"]: error["mean"] for error in theory["errors"]}
+        command = [diffract, "surface", "info", path, "--pixel-size", pixel, "--json", "--theory", theory, *OPTIONS[material]]
+        found = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["scalar_theory"]
+    if not found["grooves"] or found["grooves"]["profile"] != kind:
+        print(f"{kind}: {found['line']}", file=sys.stderr)
+    return {error["angle_deg"]: error["mean"] for error in found["errors"]}
 
 
 def wavelengths():
@@ -68,28 +70,36 @@ def wavelengths():
     return np.interp((np.arange(WAVELENGTHS) + 0.5) / WAVELENGTHS, light / light[-1], nanometres + 0.5) / 1e3
 
 
-def solved(kind, material, period, height, angle):
-    """Returns the error that the solver gives in daylight; None where it does not settle."""
+def solved(folder, theory, kind, material, period, height, angle):
+    """Returns the error of `theory` that the solver gives in daylight; None where it does not settle."""
     found = []
     for wavelength in wavelengths():
         scale = WAVELENGTH / wavelength
-        directions = grid.orders(grid.Point(kind, material, period * scale, height * scale, angle))
+        point = grid.Point(kind, material, period * scale, height * scale, angle)
+        directions = table.orders_of(point, folder)
         if directions is None:
             return None
-        found.append(float(np.sum(np.multiply(*table.errors(directions, "mean")))))
+        found.append(table.misplaced(directions, table.by_theory(point, directions, theory), "mean"))
     return float(np.mean(found))
 
 
 def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("diffract", help="the program")
+    parser.add_argument("--theory", choices=scalar.THEORIES, default="small-slope")
+    parser.add_argument("--work", type=Path, help="folder that keeps the solver's orders")
+    arguments = parser.parse_args()
+    if arguments.work:
+        arguments.work.mkdir(parents=True, exist_ok=True)
     angles = grid.ANGLES
     print("| grating | material | period/λ | height/λ | " + " | ".join(f"{a}°" for a in angles) + " |")
     print("| --- | --- | ---: | ---: |" + " ---: |" * len(angles))
     within = total = gratings = 0
     for kind, material, period, height in GRATINGS:
-        told = looked_up(sys.argv[1], kind, material, period, height)
+        told = looked_up(arguments.diffract, arguments.theory, kind, material, period, height)
         cells, hits = [], []
         for angle in angles:
-            error = solved(kind, material, period, height, angle)
+            error = solved(arguments.work, arguments.theory, kind, material, period, height, angle)
             if error is None or angle not in told:
                 cells.append("not known")
                 continue

@@ -44,7 +44,7 @@ def main():
         for panel, (material, angle) in zip(row, [(m, a) for m in MATERIALS for a in ANGLES]):
             at = 45 if kind == "rough" and angle == 30 else angle
             chosen = [r for r in rows if (r["kind"], r["material"], float(r["angle"])) == (kind, material, at)]
-            x, y, error = (np.array([float(r[name]) for r in chosen]) for name in ["period", "height", "mean"])
+            x, y, error = (np.array([float(r[name]) for r in chosen]) for name in ["period", "height", table.column("small-slope", "mean")])
             norm = LogNorm(1, 100)
             dots = panel.scatter(x, y, c=np.clip(error, 1, 100), norm=norm, cmap="viridis", marker="s", s=110)
             for px, py, e in zip(x, y, error):

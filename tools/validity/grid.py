@@ -1,4 +1,4 @@
-"""Points of the table and their rigorous and scalar orders.
+"""Points of the table, and their orders by the rigorous solver and by scalar theory.
 
 Lengths are in wavelengths. `solve` doubles the number of Fourier coefficients until the shares of the orders keep, and tells by how much they
 changed; a point that does not settle is left out.
@@ -51,13 +51,12 @@ class Point:
 
 @dataclass(frozen=True)
 class Orders:
-    """Orders of a point: numbers, sines, rigorous and scalar shares {"te", "tm", "mean"}, the change by doubling and the error of the energy, both
-    over the reflected light. Of an ensemble the shares are means over it."""
+    """Rigorous orders of a point: numbers, sines, shares {"te", "tm", "mean"}, the change by doubling and the error of the energy, both over the
+    reflected light. Of an ensemble the shares are means over it."""
 
     order: np.ndarray
     sine: np.ndarray
     rigorous: dict
-    scalar: dict
     change: float
     energy: float
 
@@ -89,17 +88,16 @@ def solve(curve, sine, index, tolerance):
         total = min(share.sum() for share in found.reflected.values())
         change = max(abs(found.reflected[p] - before.reflected[p]).max() for p in ["te", "tm"]) / total
         if max(change, found.energy / total) <= tolerance:
-            return compared(curve, sine, index, found, change), size
+            return with_mean(found, change), size
         size *= 2
     return None
 
 
-def compared(curve, sine, index, found, change):
-    """Returns rigorous orders with those of scalar theory."""
+def with_mean(found, change):
+    """Returns rigorous orders with the mean of both polarisations."""
     total = min(share.sum() for share in found.reflected.values())
     rigorous = dict(found.reflected, mean=(found.reflected["te"] + found.reflected["tm"]) / 2)
-    predicted = scalar.shares(curve, sine, index, found.orders)
-    return Orders(found.orders, found.sine, rigorous, predicted, change, found.energy / total)
+    return Orders(found.orders, found.sine, rigorous, change, found.energy / total)
 
 
 def curves(point):
@@ -122,7 +120,7 @@ def directions(point):
 
 
 def orders(point):
-    """Returns the orders of a point: a list over the directions of light, of the mean over an ensemble; None where a profile does not settle."""
+    """Returns the rigorous orders of a point: a list over the directions of light, of the mean over an ensemble; None where a profile does not settle."""
     profiles, index = curves(point), MATERIALS[point.material]
     tolerance = ROUGH_TOLERANCE if point.kind == "rough" else TOLERANCE
     found = []
@@ -133,14 +131,26 @@ def orders(point):
         members = [member for member, _ in judged]
         size = max(size for _, size in judged)
         others = [curve for i, curve in enumerate(profiles) if i % JUDGED]
-        members += [compared(curve, sine, index, efficiencies(curve, sine, index, size), 0.0) for curve in others]
+        members += [with_mean(efficiencies(curve, sine, index, size), 0.0) for curve in others]
         found.append(mean(members))
     return found
 
 
 def mean(members):
     """Returns the mean over the orders of an ensemble."""
-    average = lambda name: {p: np.mean([getattr(m, name)[p] for m in members], axis=0) for p in ["te", "tm", "mean"]}
     first = members[0]
+    rigorous = {p: np.mean([m.rigorous[p] for m in members], axis=0) for p in scalar.POLARISATIONS}
     worst = [max(getattr(m, name) for m in members) for name in ["change", "energy"]]
-    return Orders(first.order, first.sine, average("rigorous"), average("scalar"), *worst)
+    return Orders(first.order, first.sine, rigorous, *worst)
+
+
+def predicted(point, directions, shares):
+    """Returns shares of the orders of a point by scalar theory, a dictionary for each direction of light: means over an ensemble of
+    `shares`(curve, sine, index, orders)."""
+    profiles, index = curves(point), MATERIALS[point.material]
+    found = []
+    for orders in directions:
+        sine = orders.sine[orders.order == 0][0]
+        members = [shares(curve, sine, index, orders.order) for curve in profiles]
+        found.append({p: np.mean([member[p] for member in members], axis=0) for p in scalar.POLARISATIONS})
+    return found

@@ -8,5 +8,5 @@ venv=${VALIDITY_VENV:-../../target/validity}
 "$venv/bin/pip" install --quiet --requirement requirements.txt
 # One thread a process: the matrices are small.
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
-"$venv/bin/python" -m unittest test_cmethod
+"$venv/bin/python" -m unittest test_cmethod test_scalar
 exec "$venv/bin/python" table.py "$@"

@@ -1,6 +1,7 @@
-"""Prints the tables of docs/VALIDITY.md from `assets/validity/table.csv`."""
+"""Prints the tables of docs/VALIDITY.md from `assets/validity/table.csv`: `python summary.py [THEORY]`."""
 
 import csv
+import sys
 
 import grid
 import table
@@ -12,9 +13,10 @@ PERIODS = [0.7, 1.05, 1.5, 2.2, 3.3, 5.0, 8.0, 12.5, 20.0]
 
 
 def main():
-    rows = {}
+    theory = sys.argv[1] if len(sys.argv) > 1 else "small-slope"
+    mean, rows = table.column(theory, "mean"), {}
     for r in csv.DictReader(table.TABLE.open()):
-        rows[r["kind"], r["material"], *(float(r[name]) for name in ["period", "height", "angle"])] = float(r["mean"])
+        rows[r["kind"], r["material"], *(float(r[name]) for name in ["period", "height", "angle"])] = float(r[mean])
 
     def cell(*point):
         errors = [rows.get((*point, float(angle))) for angle in grid.ROUGH_ANGLES]

@@ -1,7 +1,8 @@
 """Computes `assets/validity/table.csv`: errors of scalar theory against the C method. `python table.py --help`.
 
 The error of a point is the share of the diffracted light that scalar theory puts elsewhere, Σ |s − r| / Σ r over the orders but 0 with scalar and
-rigorous shares s and r: the mean of the orders' relative errors, weighted by their light. TE, TM, and the mean of both, which unpolarised light has.
+rigorous shares s and r: the mean of the orders' relative errors, weighted by their light. The mean of TE and TM, which unpolarised light has, TE and
+TM; `specular` is the relative error of order 0. Both theories of the program have their columns.
 """
 
 import argparse
@@ -14,40 +15,71 @@ from pathlib import Path
 import numpy as np
 
 import grid
+import scalar
 
 TABLE = Path(__file__).parents[2] / "assets/validity/table.csv"
-# Orders nearer to the surface than this cosine are left out, as in docs/EFFICIENCY.md.
-SMALLEST_COSINE = 0.25
-COLUMNS = "kind,material,period,height,angle,mean,te,tm,specular,change,energy"
+POINT = ["kind", "material", "period", "height", "angle"]
+ERRORS = ["mean", "te", "tm", "specular"]
+CHECKS = ["change", "energy"]
 
 
-def errors(directions, polarisation):
-    """Returns the relative errors of the diffracted orders of `grid.orders` and the share of the diffracted light in each."""
-    relative, light = [], []
-    for found in directions:
-        counts = (np.sqrt(1 - found.sine**2) >= SMALLEST_COSINE) & (found.order != 0)
-        rigorous = found.rigorous[polarisation][counts]
-        relative.append(abs(found.scalar[polarisation][counts] / rigorous - 1))
-        light.append(rigorous / max(rigorous.sum(), 1e-300))
-    light = [share / sum(len(l) > 0 for l in light) for share in light]
-    return np.concatenate(relative), np.concatenate(light)
+def column(theory, name):
+    """Returns the name of the column of an error."""
+    return f"{theory.replace('-', '_')}_{name}"
+
+
+COLUMNS = [*POINT, *(column(theory, name) for theory in scalar.THEORIES for name in ERRORS), *CHECKS]
+
+
+def by_theory(point, directions, theory):
+    """Returns the shares of the orders of a point by a theory: a dictionary for each direction."""
+    return grid.predicted(point, directions, lambda *arguments: scalar.shares(theory, *arguments))
+
+
+def misplaced(directions, shares, polarisation):
+    """Returns the share of the diffracted light of `grid.orders` that `shares` puts elsewhere, the mean over the directions of light; None where no
+    order is diffracted."""
+    found = []
+    for orders, predicted in zip(directions, shares):
+        diffracted = orders.order != 0
+        rigorous = orders.rigorous[polarisation][diffracted]
+        if rigorous.size > 0:
+            found.append(np.sum(abs(predicted[polarisation][diffracted] - rigorous)) / max(rigorous.sum(), 1e-300))
+    return np.mean(found) if found else None
+
+
+def specular(directions, shares):
+    """Returns the relative error of order 0 in unpolarised light, the largest of the directions."""
+    zero = [orders.order == 0 for orders in directions]
+    return max(abs(s["mean"][z] / o.rigorous["mean"][z] - 1)[0] for o, s, z in zip(directions, shares, zero))
+
+
+def fields_of(point):
+    """Returns the first fields of the row of a point, which tell points apart."""
+    return [point.kind, point.material, *(f"{v:g}" for v in [point.period, point.height, point.angle])]
 
 
 def row(point, directions):
     """Returns the row of a point, errors in percent; None where no order is diffracted."""
-    if errors(directions, "mean")[1].size == 0:
-        return None
-    means = [np.sum(np.multiply(*errors(directions, p))) for p in ["mean", "te", "tm"]]
-    zero = [found.order == 0 for found in directions]
-    specular = max(abs(f.scalar["mean"][z] / f.rigorous["mean"][z] - 1)[0] for f, z in zip(directions, zero))
-    percent = [f"{100 * value:.3g}" for value in [*means, specular]]
-    checks = [f"{max(getattr(f, name) for f in directions):.0e}" for name in ["change", "energy"]]
-    return [point.kind, point.material, *(f"{v:g}" for v in [point.period, point.height, point.angle]), *percent, *checks]
+    errors = []
+    for theory in scalar.THEORIES:
+        shares = by_theory(point, directions, theory)
+        found = [misplaced(directions, shares, p) for p in ["mean", "te", "tm"]]
+        if None in found:
+            return None
+        errors += [*found, specular(directions, shares)]
+    checks = [f"{max(getattr(orders, name) for orders in directions):.0e}" for name in CHECKS]
+    return [*fields_of(point), *(f"{100 * error:.3g}" for error in errors), *checks]
+
+
+def path_of(point, folder):
+    """Returns the file in `folder` that keeps the orders of a point."""
+    return folder / f"{point.kind}-{point.material}-{point.period}-{point.height}-{point.angle}.pickle"
 
 
 def orders_of(point, folder):
     """Returns `grid.orders(point)`, kept in `folder` if there is one."""
-    path = folder and folder / f"{point.kind}-{point.material}-{point.period}-{point.height}-{point.angle}.pickle"
+    path = folder and path_of(point, folder)
     if path and path.exists():
         return pickle.loads(path.read_bytes())
     found = grid.orders(point)
@@ -58,19 +90,20 @@ def orders_of(point, folder):
 
 def verify(count, jobs):
     """Computes `count` random points again and compares their rows with those of the table."""
-    rows = {tuple(row[:5]): row[5:] for row in csv.reader(TABLE.open())}
+    rows = {tuple(row[: len(POINT)]): row for row in csv.reader(TABLE.open())}
+    compared = [i for i, name in enumerate(COLUMNS) if name.endswith(("_mean", "_te", "_tm"))]
     points = random.Random(1).sample(grid.points(), count)
     largest, missing = 0.0, 0
     with ProcessPoolExecutor(jobs) as pool:
         for point, directions in zip(points, pool.map(grid.orders, points)):
             fields = directions and row(point, directions)
-            kept = rows.get((point.kind, point.material, *(f"{v:g}" for v in [point.period, point.height, point.angle])))
+            kept = rows.get(tuple(fields_of(point)))
             if bool(fields) != bool(kept):
                 missing += 1
                 print(f"{point}: {fields} instead of {kept}")
             elif fields:
                 # Of the diffracted light, in percent; three digits are kept.
-                pairs = [(float(a), float(b)) for a, b in zip(fields[5:8], kept[:3])]
+                pairs = [(float(fields[i]), float(kept[i])) for i in compared]
                 largest = max(largest, max(abs(a - b) / max(1.0, abs(b)) for a, b in pairs))
     print(f"{count} points: errors differ by at most {largest:.1e} of their value or of 1 %; {missing} are in one of both alone")
 
@@ -80,13 +113,16 @@ def main():
     parser.add_argument("-o", "--output", type=Path, default=TABLE)
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--work", type=Path, help="folder that keeps the orders of each point, so that a stopped run goes on")
+    parser.add_argument("--kept", action="store_true", help="write the rows of the points that --work has, and compute none")
     parser.add_argument("--verify", type=int, metavar="N", help="compute N random points again and compare them with the table instead")
     arguments = parser.parse_args()
     if arguments.verify:
         return verify(arguments.verify, arguments.jobs)
     if arguments.work:
         arguments.work.mkdir(parents=True, exist_ok=True)
-    points, lines, left_out = grid.points(), [COLUMNS], 0
+    points, lines, left_out = grid.points(), [",".join(COLUMNS)], 0
+    if arguments.kept:
+        points = [point for point in points if path_of(point, arguments.work).exists()]
     with ProcessPoolExecutor(arguments.jobs) as pool:
         results = pool.map(orders_of, points, [arguments.work] * len(points))
         for i, (point, directions) in enumerate(zip(points, results)):

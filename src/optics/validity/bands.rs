@@ -65,7 +65,7 @@ pub fn mean_errors(
     let mut missing: Option<(f64, String)> = None; // share and reason of the brightest band without errors
     for Band { wavelength, share } in bands {
         let class = MaterialClass::of(reflectance, *wavelength);
-        match class.and_then(|class| errors(grooves, class, *wavelength)) {
+        match class.and_then(|class| errors(grooves, class, reflectance.theory(), *wavelength)) {
             Ok(found) => found.into_iter().for_each(|errors| add(&mut sums, *share, errors)),
             Err(reason) if missing.as_ref().is_none_or(|(brightest, _)| share > brightest) => {
                 missing = Some((*share, reason));

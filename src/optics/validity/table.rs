@@ -2,11 +2,13 @@
 
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
+use crate::optics::theory::Theory;
 use crate::surface::statistics::ProfileShape;
 use serde::Serialize;
 use std::sync::LazyLock;
 
-/// Rows of kind, material, period and height \[wavelengths\], angle \[degrees\], and errors \[%\] of the mean of TE and TM, TE and TM.
+/// Rows of kind, material, period and height \[wavelengths\], angle \[degrees\], and for each theory errors \[%\] of the mean of TE and TM, TE, TM and
+/// the specular order.
 const TABLE: &str = include_str!("../../../assets/validity/table.csv");
 /// Errors below this are not told apart: an error that changes its sign passes 0, and reading beside that place would promise too much.
 const SMALLEST: f64 = 0.01;
@@ -90,25 +92,42 @@ struct TablePoint {
     /// In wavelengths.
     period: f64,
     height: f64,
-    errors: AngleErrors,
+    /// In the order of [`Theory::ALL`].
+    errors: [AngleErrors; 2],
+}
+
+impl TablePoint {
+    /// Returns the errors of a theory.
+    fn errors(&self, theory: Theory) -> &AngleErrors {
+        match theory {
+            Theory::SmallSlope => &self.errors[0],
+            Theory::Stam => &self.errors[1],
+        }
+    }
 }
 
 static ROWS: LazyLock<Vec<TablePoint>> = LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
 
 fn row(line: &'static str) -> Option<TablePoint> {
-    let mut words = line.split(',');
-    let (kind, material) = (words.next()?, words.next()?);
-    let mut number = || words.next()?.parse::<f64>().ok();
-    let [period, height, angle] = [number()?, number()?, number()?];
-    let [mean, te, tm] = [number()?, number()?, number()?].map(|percent| (percent / 100.0).max(SMALLEST));
-    Some(TablePoint { kind, material, period, height, errors: AngleErrors { angle, mean, te, tm } })
+    /// First columns of the errors of both theories.
+    const ERRORS: [usize; 2] = [5, 9];
+    let words: Vec<&'static str> = line.split(',').collect();
+    let number = |column: usize| words.get(column)?.parse::<f64>().ok();
+    let angle = number(4)?;
+    let errors = |first: usize| {
+        let error = |column: usize| Some((number(first + column)? / 100.0).max(SMALLEST));
+        Some(AngleErrors { angle, mean: error(0)?, te: error(1)?, tm: error(2)? })
+    };
+    let errors = [errors(ERRORS[0])?, errors(ERRORS[1])?];
+    Some(TablePoint { kind: words[0], material: words[1], period: number(2)?, height: number(3)?, errors })
 }
 
-/// Returns the errors of `grooves` in light of `wavelength` \[µm\] by the angle of incidence, or why they are not known. Periods above those of the
+/// Returns the errors of a theory for `grooves` in light of `wavelength` \[µm\] by the angle of incidence, or why they are not known. Periods above those of the
 /// table are taken for its longest, and heights below for its lowest: errors are not larger there.
 pub fn errors(
     grooves: &ProfileShape,
     class: MaterialClass,
+    theory: Theory,
     wavelength: f64,
 ) -> Result<Vec<AngleErrors>, String> {
     let rows: Vec<&TablePoint> = ROWS
@@ -117,7 +136,7 @@ pub fn errors(
         .collect();
     let periods = axis(rows.iter().map(|row| row.period));
     let heights = axis(rows.iter().map(|row| row.height));
-    let angles = axis(rows.iter().map(|row| row.errors.angle));
+    let angles = axis(rows.iter().map(|row| row.errors(theory).angle));
     let [period, height] = [grooves.period, grooves.height].map(|length| length / wavelength);
     let ([shortest, .., longest], [.., highest]) = (&periods[..], &heights[..]) else {
         return Err("nothing was computed for this profile".to_owned());
@@ -137,8 +156,9 @@ pub fn errors(
     let at_angle = |angle: &f64| -> Option<AngleErrors> {
         let mut logs = [0.0; 3];
         for [p, h, weight] in &corners {
-            let row = rows.iter().find(|r| r.period == *p && r.height == *h && r.errors.angle == *angle)?;
-            let AngleErrors { mean, te, tm, .. } = row.errors;
+            let beside = rows.iter().filter(|row| row.period == *p && row.height == *h);
+            let AngleErrors { mean, te, tm, .. } =
+                beside.map(|row| row.errors(theory)).find(|errors| errors.angle == *angle)?;
             for (log, error) in logs.iter_mut().zip([mean, te, tm]) {
                 *log += weight * error.ln();
             }
@@ -189,6 +209,9 @@ mod tests {
 
     #[test]
     fn every_row_is_read_and_every_kind_is_there() {
+        let head = "kind,material,period,height,angle,small_slope_mean,small_slope_te,small_slope_tm,small_slope_specular,\
+                    stam_mean,stam_te,stam_tm,stam_specular,change,energy";
+        assert_eq!(TABLE.lines().next(), Some(head));
         assert_eq!(ROWS.len(), TABLE.lines().count() - 1);
         for kind in ProfileKind::ALL {
             for class in [MaterialClass::Metal, MaterialClass::Dielectric] {
@@ -199,23 +222,33 @@ mod tests {
         }
     }
 
+    fn at_60(theory: Theory, period: f64, height: f64) -> f64 {
+        let grooves = ProfileShape { profile: ProfileKind::Sinusoid, period, height, slope_along: 0.0 };
+        let found = errors(&grooves, MaterialClass::Dielectric, theory, 1.0).unwrap();
+        found.iter().find(|e| e.angle == 60.0).unwrap().mean
+    }
+
     #[test]
     fn points_of_the_table_are_returned_and_between_them_the_geometric_mean() {
-        let error = |period: f64, height: f64| {
-            let grooves = ProfileShape { profile: ProfileKind::Sinusoid, period, height, slope_along: 0.0 };
-            let found = errors(&grooves, MaterialClass::Dielectric, 1.0).unwrap();
-            found.iter().find(|e| e.angle == 60.0).unwrap().mean
-        };
-        let row = |period: f64, height: f64| {
-            let is_it = |r: &&TablePoint| {
-                (r.kind, r.material, r.period, r.height, r.errors.angle)
-                    == ("sinusoid", "dielectric", period, height, 60.0)
+        for theory in Theory::ALL {
+            let row = |period: f64, height: f64| {
+                let is_it = |r: &&TablePoint| {
+                    (r.kind, r.material, r.period, r.height, r.errors(theory).angle)
+                        == ("sinusoid", "dielectric", period, height, 60.0)
+                };
+                ROWS.iter().find(is_it).unwrap().errors(theory).mean
             };
-            ROWS.iter().find(is_it).unwrap().errors.mean
-        };
-        assert!((error(3.3, 0.2) / row(3.3, 0.2) - 1.0).abs() < 1e-12);
-        let middle = (row(3.3, 0.2) * row(4.1, 0.2)).sqrt();
-        assert!((error((3.3_f64 * 4.1).sqrt(), 0.2) / middle - 1.0).abs() < 1e-12);
-        assert_eq!((error(100.0, 0.2), error(3.3, 0.01)), (error(20.0, 0.2), error(3.3, 0.05)));
+            let error = |period, height| at_60(theory, period, height);
+            assert!((error(3.3, 0.2) / row(3.3, 0.2) - 1.0).abs() < 1e-12);
+            let middle = (row(3.3, 0.2) * row(4.1, 0.2)).sqrt();
+            assert!((error((3.3_f64 * 4.1).sqrt(), 0.2) / middle - 1.0).abs() < 1e-12);
+            assert_eq!((error(100.0, 0.2), error(3.3, 0.01)), (error(20.0, 0.2), error(3.3, 0.05)));
+        }
+    }
+
+    #[test]
+    fn small_slope_is_the_better_of_both_on_shallow_sinusoids() {
+        let [small_slope, stam] = Theory::ALL.map(|theory| at_60(theory, 3.3, 0.1));
+        assert!(small_slope < 0.03 && stam > 0.1, "{small_slope} {stam}");
     }
 }

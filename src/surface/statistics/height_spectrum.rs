@@ -213,7 +213,7 @@ fn mean_of_noise(mut powers: Vec<f64>) -> f64 {
 }
 
 /// Returns half a period of a raised cosine over `n` samples, 0 at the outer edges of the first and the last.
-fn hann(n: usize) -> Vec<f64> {
+pub(super) fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|i| 0.5 - 0.5 * (TAU * (i as f64 + 0.5) / n as f64).cos()).collect()
 }
 

@@ -3,12 +3,14 @@
 //! Nothing is levelled or filtered first: prepare the field, then measure it. Only spectra are taken of the heights less their plane, under
 //! a Hann window.
 
+mod harmonics;
 pub mod height_spectrum;
 mod heights;
 mod line_periods;
 mod notes;
 pub mod periods;
 pub mod plot_grid;
+mod profile_form;
 mod relief;
 pub mod slopes;
 mod texture;
@@ -18,7 +20,8 @@ pub use line_periods::line_periods;
 pub use notes::notes;
 pub(in crate::surface) use periods::wave_vector;
 pub use periods::{Period, dominant_periods};
-pub use relief::{ProfileKind, ProfileShape, Relief};
+pub use profile_form::ProfileKind;
+pub use relief::{ProfileShape, Relief};
 pub use slopes::Slopes;
 pub use texture::Texture;
 

@@ -1,42 +1,13 @@
 //! The kind of profile that a field has, with the two lengths on which errors of scalar theory depend.
 
-use super::height_spectrum::{SurfaceSpectrum, analysed_part};
-use super::periods::{amplitude, refined};
+use super::height_spectrum::analysed_part;
+use super::profile_form::{MeasuredSpectrum, ProfileForm, ProfileKind};
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::metres;
 use crate::surface::tiling::{Verdict, tiles};
 use serde::Serialize;
 use std::f64::consts::{SQRT_2, TAU};
-
-/// Profile of grooves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ProfileKind {
-    /// One frequency.
-    Sinusoid,
-    /// Sawtooth.
-    Blaze,
-    /// Ridges with flat tops and flat grooves.
-    Lamellar,
-    /// Several frequencies without a fixed phase.
-    Rough,
-}
-
-impl ProfileKind {
-    /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Sinusoid, Self::Blaze, Self::Lamellar, Self::Rough];
-
-    /// Returns the name in tables and lines.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sinusoid => "sinusoid",
-            Self::Blaze => "blaze",
-            Self::Lamellar => "lamellar",
-            Self::Rough => "rough",
-        }
-    }
-}
 
 /// Grooves in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -60,67 +31,18 @@ pub enum Relief {
     Flat,
     /// Grooves in one direction.
     Grooves(ProfileShape),
-    /// Slopes in two directions: the larger and the smaller RMS slope of the principal axes.
+    /// Slopes in two directions, or a second period in another direction: the larger and the smaller RMS slope of the principal axes.
     Crossed([f64; 2]),
+    /// Grooves with a profile that is none of [`ProfileKind`].
+    OtherProfile,
     /// More than half of the variance has fewer than three periods over the field, whose copies do not join.
     FewPeriods,
 }
 
 /// Smaller over larger RMS slope above which a field has no grooves: at 1/√3 a quarter of the slope variance lies along them.
 const CROSSED: f64 = 0.577;
-/// Fewer periods over a field whose copies do not join are not resolved.
-const FEWEST_CYCLES: f64 = 3.0;
 /// RMS height over the height range, below which a field is flat but for rounding.
 const ROUNDING: f64 = 1e-12;
-/// Least share of the variance in the strongest frequency of a sinusoid; 1 of an ideal one, 8/π² of a lamellar profile, 6/π² of a blaze.
-const SINUSOID_SHARE: f64 = 0.9;
-/// Least share in the strongest frequency of a periodic profile.
-const PERIODIC_SHARE: f64 = 0.5;
-/// Least share of the samples in the outer tenths of the height range for a lamellar profile; 0.2 of a blaze, 0.4 of a sinusoid.
-const LAMELLAR_ENDS: f64 = 0.7;
-
-/// Sums over a spectrum.
-#[derive(Clone, Copy, Default)]
-struct SpectralMoments {
-    /// Σ P: the variance \[µm²\].
-    variance: f64,
-    /// Σ P over frequencies of less than [`FEWEST_CYCLES`] \[µm²\].
-    few: f64,
-    /// Σ P f \[µm\].
-    first: f64,
-    /// Σ P f².
-    second: f64,
-    /// The largest P of one frequency, and its place.
-    strongest: (f64, [usize; 2]),
-}
-
-impl SpectralMoments {
-    fn new(spectrum: &SurfaceSpectrum) -> Self {
-        let part = |sums: &mut Self, i: usize, j: usize, weight: f64| {
-            let [x, y] = spectrum.frequency(i, j);
-            let power = spectrum.power(i, j);
-            let weighted = weight * power;
-            sums.variance += weighted;
-            if (x * spectrum.patch[0]).hypot(y * spectrum.patch[1]) < FEWEST_CYCLES {
-                sums.few += weighted;
-            }
-            sums.first += weighted * x.hypot(y);
-            sums.second += weighted * (x * x + y * y);
-            if power > sums.strongest.0 {
-                sums.strongest = (power, [i, j]);
-            }
-        };
-        let add = |a: Self, b: Self| Self {
-            variance: a.variance + b.variance,
-            few: a.few + b.few,
-            first: a.first + b.first,
-            second: a.second + b.second,
-            strongest: if a.strongest.0 >= b.strongest.0 { a.strongest } else { b.strongest },
-        };
-        spectrum.sum(Self::default, part, add)
-    }
-}
-
 /// Returns the RMS slopes along the principal axes, the larger first, from differences of neighbouring samples.
 fn principal_slopes(field: &HeightField) -> [f64; 2] {
     let [dx, dy] = field.pixel_size();
@@ -148,66 +70,59 @@ impl Relief {
         let (low, high) = part.range();
         // Copies that join are one period, in which each frequency is resolved.
         let joins = tiles(&part).verdict == Verdict::Tiles;
-        let spectrum =
-            if joins { SurfaceSpectrum::of_one_period(&part)? } else { SurfaceSpectrum::windowed(&part)? };
-        let moments = SpectralMoments::new(&spectrum);
-        if moments.variance.sqrt() <= ROUNDING * low.abs().max(high.abs()) {
+        let measured = MeasuredSpectrum::new(&part, joins)?;
+        if measured.rms() <= ROUNDING * low.abs().max(high.abs()) {
             return Ok(Self::Flat);
         }
         let slopes = principal_slopes(&part);
         if slopes[1] > CROSSED * slopes[0] {
             return Ok(Self::Crossed(slopes));
         }
-        if !joins && moments.few > 0.5 * moments.variance {
+        if !joins && measured.has_few_periods() {
             return Ok(Self::FewPeriods);
         }
-        Ok(Self::Grooves(grooves(&part, &spectrum, &moments, joins)))
+        if measured.has_second() {
+            return Ok(Self::Crossed(slopes));
+        }
+        let form = measured.form(&part)?;
+        if joins && form == ProfileForm::Kind(ProfileKind::Rough) {
+            // A seam may join by chance, where a flank lies on it.
+            let windowed = MeasuredSpectrum::new(&part, false)?;
+            let other = windowed.form(&part)?;
+            if other != form {
+                return Ok(Self::from_form(other, &windowed, slopes));
+            }
+        }
+        Ok(Self::from_form(form, &measured, slopes))
+    }
+
+    /// Returns the relief of a field of this form and these RMS slopes.
+    fn from_form(form: ProfileForm, measured: &MeasuredSpectrum, slopes: [f64; 2]) -> Self {
+        match form {
+            ProfileForm::Kind(kind) => Self::Grooves(grooves(measured, kind, slopes)),
+            ProfileForm::Other => Self::OtherProfile,
+        }
     }
 }
 
-/// Returns the grooves of a field with this spectrum, of one period or windowed.
+/// Returns grooves of this kind and these RMS slopes.
 fn grooves(
-    field: &HeightField,
-    spectrum: &SurfaceSpectrum,
-    moments: &SpectralMoments,
-    is_period: bool,
+    measured: &MeasuredSpectrum,
+    profile: ProfileKind,
+    [across, slope_along]: [f64; 2],
 ) -> ProfileShape {
-    let (power, place) = moments.strongest;
-    let ([x, y], share) = if is_period {
-        (spectrum.frequency(place[0], place[1]), 2.0 * power / moments.variance)
-    } else {
-        (refined(spectrum, place), amplitude(spectrum, place).powi(2) / 2.0 / moments.variance)
+    let height_over_rms = match profile {
+        ProfileKind::Sinusoid => 2.0 * SQRT_2,
+        ProfileKind::Blaze => 12_f64.sqrt(),
+        ProfileKind::Lamellar => 2.0,
+        ProfileKind::Rough => {
+            let period = measured.mean_period();
+            let height = 2.0 * SQRT_2 * across.hypot(slope_along) * period / TAU;
+            return ProfileShape { profile, period, height, slope_along };
+        }
     };
-    // Below three periods the lobes of both signs overlap, and the share is that of both.
-    let is_resolved = is_period || (x * spectrum.patch[0]).hypot(y * spectrum.patch[1]) >= FEWEST_CYCLES;
-    let sq = moments.variance.sqrt();
-    let [across, slope_along] = principal_slopes(field);
-    let periodic = |profile, height_over_sq: f64| ProfileShape {
-        profile,
-        period: 1.0 / x.hypot(y),
-        height: height_over_sq * sq,
-        slope_along,
-    };
-    if share < PERIODIC_SHARE || !is_resolved {
-        let period = moments.first / moments.second;
-        let height = 2.0 * SQRT_2 * across.hypot(slope_along) * period / TAU;
-        return ProfileShape { profile: ProfileKind::Rough, period, height, slope_along };
-    }
-    if share_of_ends(field) >= LAMELLAR_ENDS {
-        periodic(ProfileKind::Lamellar, 2.0)
-    } else if share >= SINUSOID_SHARE {
-        periodic(ProfileKind::Sinusoid, 2.0 * SQRT_2)
-    } else {
-        periodic(ProfileKind::Blaze, 12_f64.sqrt())
-    }
-}
-
-/// Returns the share of the samples in the lowest and in the highest tenth of the height range.
-fn share_of_ends(field: &HeightField) -> f64 {
-    let (low, high) = field.range();
-    let tenth = (high - low) / 10.0;
-    let ends = field.heights().iter().filter(|h| **h <= low + tenth || **h >= high - tenth).count();
-    ends as f64 / field.heights().len() as f64
+    let height = height_over_rms * measured.rms();
+    ProfileShape { profile, period: measured.strongest_period(), height, slope_along }
 }
 
 #[cfg(test)]
@@ -278,6 +193,103 @@ mod tests {
         let crossed = field(200, 400, |x, y| 0.1 * ((TAU * x).sin() + (TAU * y / 1.25).sin()));
         assert!(matches!(Relief::of(&crossed).unwrap(), Relief::Crossed(_)));
         assert_eq!(Relief::of(&field(50, 50, |_, _| 0.3)).unwrap(), Relief::Flat);
+    }
+
+    /// Returns a profile of the phase, 0.3 µm high, repeated `periods` times over 20 µm.
+    fn periodic(periods: f64, profile: impl Fn(f64) -> f64) -> HeightField {
+        field(400, 20, |x, _| 0.3 * profile((x * periods / 40.0 + 0.1234).fract()))
+    }
+
+    #[test]
+    fn blazes_fall_and_rise_and_have_blunt_flanks() {
+        // 16.6: copies that do not join.
+        for periods in [16.0, 16.6] {
+            for flank in [0.06, 0.12, 0.18] {
+                let blunt = move |u: f64| if u < 1.0 - flank { u / (1.0 - flank) } else { (1.0 - u) / flank };
+                assert_grooves(&periodic(periods, blunt), ProfileKind::Blaze, 40.0 / periods, 0.3);
+                let falls = move |u: f64| blunt(1.0 - u);
+                assert_grooves(&periodic(periods, falls), ProfileKind::Blaze, 40.0 / periods, 0.3);
+            }
+        }
+        let turned = field(400, 800, |x, y| 0.3 * ((x + y) / 4.0).fract());
+        assert_grooves(&turned, ProfileKind::Blaze, 2.0 * SQRT_2, 0.3);
+    }
+
+    #[test]
+    fn other_periodic_profiles_are_none_of_those_that_were_computed() {
+        let cosine = |u: f64| (TAU * u).cos();
+        for periods in [16.0, 16.6] {
+            for (name, other) in [
+                ("triangle", periodic(periods, |u| (2.0 * u - 1.0).abs())),
+                ("slanting triangle", periodic(periods, |u| (u / 0.65).min((1.0 - u) / 0.35))),
+                ("quarter duty", periodic(periods, |u| if u < 0.25 { 1.0 } else { 0.0 })),
+                ("narrow ridges", periodic(periods, |u| if u < 0.16 { 1.0 } else { 0.0 })),
+                ("sharp crests", periodic(periods, |u| cosine(u) + 0.25 * cosine(2.0 * u))),
+                ("steep sides", periodic(periods, |u| cosine(u) + 0.25 * (2.0 * TAU * u).sin())),
+                ("half of a sawtooth", periodic(periods, |u| (2.0 * u).min(1.0))),
+                ("half a wave", periodic(periods, |u| cosine(u).max(0.0))),
+            ] {
+                assert_eq!(Relief::of(&other).unwrap(), Relief::OtherProfile, "{name}, {periods} periods");
+            }
+        }
+    }
+
+    #[test]
+    fn nearly_sinusoidal_grooves_are_sinusoids() {
+        let bent = field(200, 400, |x, y| 0.15 * (TAU * (x / 2.0 + 0.05 * (TAU * y / 20.0).sin())).sin());
+        assert_grooves(&bent, ProfileKind::Sinusoid, 2.0, 0.3);
+        let noise = |x: f64, y: f64| 0.002 * ((x * 7919.1 + y * 104_729.3).sin() * 43_758.5).fract();
+        let noisy = field(203, 200, |x, y| 0.15 * (TAU * x / 2.5).sin() + noise(x, y));
+        assert_grooves(&noisy, ProfileKind::Sinusoid, 2.5, 0.3);
+    }
+
+    #[test]
+    fn a_weaker_second_period_in_another_direction_is_crossed() {
+        // Joining copies, and the same cut elsewhere.
+        for [columns, rows] in [[220, 440], [211, 431]] {
+            for second in [0.2, 0.45, 0.8] {
+                let cosines = field(columns, rows, |x, y| {
+                    0.03 * ((TAU * x / 1.1).cos() + second * (TAU * y / 1.1).cos())
+                });
+                assert!(matches!(Relief::of(&cosines).unwrap(), Relief::Crossed(_)), "{second}");
+            }
+            let unlike = field(columns, rows, |x, y| 0.03 * ((TAU * x / 1.1).cos() + (TAU * y / 3.3).cos()));
+            assert!(matches!(Relief::of(&unlike).unwrap(), Relief::Crossed(_)));
+        }
+    }
+
+    #[test]
+    fn many_frequencies_of_any_phase_are_rough() {
+        let grooves = |x: f64| -> f64 {
+            (6..30).map(|k| 0.03 * (TAU * f64::from(k) * x / 20.0 + f64::from(k * k * k)).sin()).sum()
+        };
+        let Relief::Grooves(found) = Relief::of(&field(200, 40, |x, _| grooves(x))).unwrap() else {
+            panic!()
+        };
+        assert_eq!(found.profile, ProfileKind::Rough);
+    }
+
+    #[test]
+    fn built_in_surfaces_have_their_kinds() {
+        for (surface, name) in [
+            (SurfaceKind::Sinusoid, "sinusoid"),
+            (SurfaceKind::Blaze, "blaze"),
+            (SurfaceKind::Bumps, "crossed"),
+            (SurfaceKind::Xenopeltis, "other"),
+            (SurfaceKind::Cd, "rough"),
+            (SurfaceKind::Dvd, "crossed"),
+            (SurfaceKind::Brushed, "rough"),
+            (SurfaceKind::Tulip, "rough"),
+        ] {
+            let relief = Relief::of(&generate(&Spec::new(surface)).unwrap()).unwrap();
+            let found = match relief {
+                Relief::Grooves(found) => found.profile.name(),
+                Relief::Crossed(_) => "crossed",
+                Relief::OtherProfile => "other",
+                _ => "none",
+            };
+            assert_eq!(found, name, "{surface:?}: {relief:?}");
+        }
     }
 
     #[test]
