@@ -9,7 +9,7 @@ struct Medium {
     vec3 k;
 };
 
-// What the kernel depends on beside the index.
+// Directions as the kernel takes them.
 struct Slants {
     float light;       // cos(theta_i)
     float view;        // cos(theta_r)

@@ -1,11 +1,11 @@
 //! Directional albedo of a surface from its orders, and the limit of energy that follows from it ([`crate::optics::energy`]).
 
-use super::energy_map::ColourWeights;
+use crate::optics::colour_excess::ColourWeights;
 use crate::optics::energy::{DirectionGrid, EnergyLimit};
 use crate::optics::geometry::Pair;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
-use crate::optics::spectrum::{Illuminant, LONGEST, SHORTEST};
+use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::OrderSeries;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -194,7 +194,7 @@ impl EnergyLimit for DirectionalAlbedo {
         let weights = ColourWeights::new(illuminant);
         let excess = |direction: DVec3| {
             weights.excess(|layer| {
-                let wavelength = 1.0 / ExcessTable::wavenumber(layer);
+                let wavelength = ColourWeights::wavelength(layer);
                 [self.at(direction, wavelength), self.allowed(direction, wavelength)]
             })
         };
@@ -202,7 +202,7 @@ impl EnergyLimit for DirectionalAlbedo {
     }
 }
 
-/// E and the largest allowed reflectance at the points of a [`DirectionGrid`], for wavenumbers that are evenly spread over the visible range.
+/// E and the largest allowed reflectance at the points of a [`DirectionGrid`], for the wavelengths of [`ColourWeights`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExcessTable {
     /// `[wavenumber][point]`: E and the allowed reflectance.
@@ -210,12 +210,9 @@ pub struct ExcessTable {
 }
 
 impl ExcessTable {
-    /// Wavenumbers, ends of the visible range included.
-    pub const WAVENUMBERS: usize = 12;
-
     fn new(albedo: &DirectionalAlbedo) -> Self {
         let layer = |number: usize| {
-            let wavelength = 1.0 / Self::wavenumber(number);
+            let wavelength = ColourWeights::wavelength(number);
             let point = |point: usize| {
                 if !DirectionGrid::is_read(point) {
                     return [0.0, 1.0];
@@ -225,13 +222,7 @@ impl ExcessTable {
             };
             (0..DirectionGrid::COUNT).into_par_iter().map(point).collect()
         };
-        Self { layers: (0..Self::WAVENUMBERS).map(layer).collect() }
-    }
-
-    /// Returns the wavenumber \[µm⁻¹\] of a layer.
-    pub fn wavenumber(number: usize) -> f64 {
-        let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
-        first + (last - first) * number as f64 / (Self::WAVENUMBERS - 1) as f64
+        Self { layers: (0..ColourWeights::WAVENUMBERS).map(layer).collect() }
     }
 
     /// Returns E and the allowed reflectance of a layer at a point.

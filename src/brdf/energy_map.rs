@@ -1,11 +1,9 @@
 //! Map of the limit of energy for one light: what colour tables and shaders read.
 
-use super::albedo::{DirectionalAlbedo, ExcessTable};
-use crate::cache::{EntryFormat, Kept, Payload};
-use crate::optics::color::xyz_to_linear_srgb;
+use super::albedo::DirectionalAlbedo;
+use crate::optics::colour_excess::{ColourWeights, largest_ratio};
 use crate::optics::energy::{DirectionGrid, EnergyLimit};
 use crate::optics::geometry::Pair;
-use crate::optics::quadrature::Wavelengths;
 use crate::optics::spectrum::Illuminant;
 use crate::random::Random;
 use glam::DVec3;
@@ -34,52 +32,11 @@ pub struct EnergyMapHeader {
     pub error: f64,
 }
 
-/// Least component of a colour over its luminance that is compared: smaller ones are outside of the gamut, and their ratios mean nothing.
-const COMPARED: f64 = 0.1;
-
-/// Components of colours that are compared.
-fn components(xyz: DVec3) -> [f64; 6] {
-    let rgb = xyz_to_linear_srgb(xyz);
-    [xyz.x, xyz.y, xyz.z, rgb.x, rgb.y, rgb.z]
-}
-
-/// Returns the largest ratio of the components of `sent` to those of `allowed` that are compared.
-fn largest_ratio(sent: DVec3, allowed: DVec3) -> f64 {
-    let pairs = components(sent).into_iter().zip(components(allowed));
-    pairs.filter(|(_, a)| *a > COMPARED * allowed.y && *a > 0.0).map(|(s, a)| s / a).fold(0.0, f64::max)
-}
-
-/// Weights of the wavenumbers of an [`ExcessTable`] in a colour of one light.
-pub struct ColourWeights(Vec<DVec3>);
-
-impl ColourWeights {
-    /// Returns the weights under `illuminant`.
-    pub fn new(illuminant: &Illuminant) -> Self {
-        Self(Wavelengths::catmull_rom(illuminant, ExcessTable::WAVENUMBERS).weights)
-    }
-
-    /// Returns XYZ of the albedo and of the allowed reflectance, which `at` returns for the number of a wavenumber.
-    fn colours(&self, at: impl Fn(usize) -> [f64; 2]) -> [DVec3; 2] {
-        let [mut sent, mut allowed] = [DVec3::ZERO; 2];
-        for (layer, weight) in self.0.iter().enumerate() {
-            let [e, r] = at(layer);
-            (sent, allowed) = (sent + *weight * e, allowed + *weight * r);
-        }
-        [sent, allowed]
-    }
-
-    /// Returns E/R of the colour.
-    pub fn excess(&self, at: impl Fn(usize) -> [f64; 2]) -> f64 {
-        let [sent, allowed] = self.colours(at);
-        largest_ratio(sent, allowed)
-    }
-}
-
 impl EnergyMap {
     /// Makes the map of `albedo` under `illuminant`; its error is not measured.
     pub fn new(albedo: &DirectionalAlbedo, illuminant: &Illuminant) -> Self {
         let (table, weights) = (albedo.table(), ColourWeights::new(illuminant));
-        let white = weights.0.iter().copied().sum::<DVec3>();
+        let white = weights.white();
         let colours: Vec<[DVec3; 2]> = (0..DirectionGrid::COUNT)
             .map(|point| weights.colours(|layer| table.of_layer(layer, point)))
             .collect();
@@ -207,24 +164,4 @@ fn mean_over_cosines(values: &[f64]) -> f64 {
         .map(|(point, value)| (value * DirectionGrid::weight(point), DirectionGrid::weight(point)));
     let (sum, weights) = weighed.fold((0.0, 0.0), |(a, b), (x, y)| (a + x, b + y));
     sum / weights
-}
-
-impl Kept for EnergyMap {
-    /// The version changes whenever the map of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "energy", version: 1 };
-    type Header = EnergyMapHeader;
-
-    fn header(&self) -> EnergyMapHeader {
-        self.header
-    }
-
-    fn payload(&self) -> Vec<&[u8]> {
-        vec![bytemuck::cast_slice(&self.points)]
-    }
-
-    fn build(header: EnergyMapHeader, payload: &mut Payload<'_>) -> Option<Self> {
-        let numbers = payload.take::<f32>(2 * DirectionGrid::COUNT)?;
-        let points = numbers.as_chunks().0.to_vec();
-        Self::from_parts(header, points)
-    }
 }

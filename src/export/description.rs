@@ -205,7 +205,7 @@ impl MaterialDescription {
             "it is of another illuminant".to_owned()
         } else if self.theory != asked.reflectance.theory().name() {
             let (has, wants) = (&self.theory, asked.reflectance.theory().name());
-            format!("it is by the theory {has}, and {wants} is asked for (--theory)")
+            format!("it is by the theory {has}, and {wants} is asked for")
         } else if !same(&self.reflectance, &|| serde_json::to_value(&asked.reflectance)) {
             "it is of another material".to_owned()
         } else if self.tolerance > asked.tolerance {

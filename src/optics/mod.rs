@@ -6,6 +6,7 @@ pub mod brdf;
 pub mod coherence;
 pub mod color;
 pub mod color_difference;
+pub mod colour_excess;
 pub mod energy;
 pub mod geometry;
 pub mod grating;

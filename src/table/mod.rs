@@ -13,6 +13,7 @@
 mod bake;
 mod basis;
 mod cache;
+mod energy;
 mod grid;
 mod held;
 mod projection;

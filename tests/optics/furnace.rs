@@ -1,9 +1,10 @@
 //! Energy: under a white sky no surface is brighter than a flat one of its material, and a white pigment below it not brighter than white.
 
-use diffract::brdf::albedo::{Decimation, DirectionalAlbedo, ExcessTable};
+use diffract::brdf::albedo::{Decimation, DirectionalAlbedo};
 use diffract::brdf::energy_map::EnergyMap;
 use diffract::optics::coherence::Beyond;
 use diffract::optics::color::xyz_to_linear_srgb;
+use diffract::optics::colour_excess::ColourWeights;
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::material::Material;
 use diffract::optics::quadrature::Wavelengths;
@@ -37,7 +38,7 @@ fn series(kind: SurfaceKind) -> OrderSeries {
 
 /// Returns linear sRGB of the light that is sent toward `view` from a white sky, where each direction is divided by `limit`, and that of a flat surface.
 fn furnace(albedo: &DirectionalAlbedo, view: DVec3, limit: &dyn Fn(DVec3) -> f64) -> [DVec3; 2] {
-    let nodes = Wavelengths::catmull_rom(&Illuminant::D65, ExcessTable::WAVENUMBERS);
+    let nodes = Wavelengths::catmull_rom(&Illuminant::D65, ColourWeights::WAVENUMBERS);
     let [mut sent, mut flat, mut white] = [DVec3::ZERO; 3];
     for (q, weight) in nodes.wavenumbers.iter().zip(&nodes.weights) {
         // By reciprocity the light toward `view` is that sent from it.

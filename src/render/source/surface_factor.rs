@@ -1,7 +1,6 @@
 //! Factor in front of the power |P|² on the device: its law, the refractive index, what depends on the wavelength, and the limit of energy. They are the first
 //! bindings of set 1 of each source. Its twins are `shaders/brdf.glsl` and `shaders/pair.glsl`.
 
-use super::bound::{Kind, uniform};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
 use crate::optics::energy::DirectionGrid;
@@ -18,16 +17,19 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 /// First bindings of set 1 of every source.
-pub(super) const BINDINGS: [(u32, Kind); 3] = [
-    (MEDIUM, Kind::UNIFORM_BUFFER),
-    (REFLECTANCES, Kind::COMBINED_IMAGE_SAMPLER),
-    (ENERGY, Kind::COMBINED_IMAGE_SAMPLER),
+pub(super) const BINDINGS: [(u32, vk::DescriptorType); 3] = [
+    (MEDIUM, vk::DescriptorType::UNIFORM_BUFFER),
+    (REFLECTANCES, vk::DescriptorType::COMBINED_IMAGE_SAMPLER),
+    (ENERGY, vk::DescriptorType::COMBINED_IMAGE_SAMPLER),
 ];
 const MEDIUM: u32 = 0;
 const REFLECTANCES: u32 = 1;
 const ENERGY: u32 = 2;
 /// First binding of a source's own.
 pub(super) const FIRST: u32 = BINDINGS.len() as u32;
+
+/// Images and the buffer of the bindings, each with its number.
+type FactorBindings = (Vec<(u32, Image)>, (u32, Buffer));
 
 /// Law of the factor: values of the specialisation constant `FACTOR_LAW`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,9 +115,12 @@ impl SurfaceFactor {
     }
 
     /// Makes the images and the buffer of the bindings.
-    pub fn upload(&self, device: &Arc<Device>) -> Result<(Vec<(u32, Image)>, (u32, Buffer))> {
+    pub fn upload(&self, device: &Arc<Device>) -> Result<FactorBindings> {
         let images = vec![(REFLECTANCES, self.reflectances(device)?), (ENERGY, self.energy(device)?)];
-        Ok((images, (MEDIUM, uniform(device, "surface medium", &MediumBlock::new(&self.indices))?)))
+        let block = MediumBlock::new(&self.indices);
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let medium = Buffer::with_data(device, "surface medium", usage, bytemuck::bytes_of(&block))?;
+        Ok((images, (MEDIUM, medium)))
     }
 
     /// Makes the texture of R, or of n and k; a single 1 if sums over wavelengths contain neither.
