@@ -7,16 +7,11 @@ layout(constant_id = 33) const bool LIMITED = false;
 
 #include "small_slope.glsl"
 
-// Refractive index of the surface, unless sums over wavelengths contain all of it.
-layout(set = 1, binding = 0, std140) uniform SurfaceMedium {
-    Medium medium;
-} surface;
-
 // Over the wavenumbers of the visible range, in rows: R over the cosine at the half vector by Stam's theory, or n and k.
-layout(set = 1, binding = 1) uniform sampler2D reflectances;
+layout(set = 1, binding = 0) uniform sampler2D reflectances;
 
 // Limit of energy over a square of directions, ends included (src/optics/energy.rs).
-layout(set = 1, binding = 2) uniform sampler2D energy;
+layout(set = 1, binding = 1) uniform sampler2D energy;
 
 // Returns R of a dielectric in air for unpolarised light by Fresnel's equations [Walter et al. 2007, eq. 22], with
 // g - c = (n^2 - 1) / (g + c).

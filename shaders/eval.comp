@@ -23,7 +23,7 @@ void main() {
         return;
     }
     Query query = queries[i];
-    Pair pair = pair_of(query.light.xyz, query.view.xyz, surface.medium);
+    Pair pair = pair_of(query.light.xyz, query.view.xyz, source.medium);
     vec4 answer = vec4(0.0);
     if (query.light.w == 0.0) {
         answer = vec4(source_xyz(pair, POINT) + source_specular(pair, POINT), 0.0);

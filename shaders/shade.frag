@@ -26,7 +26,7 @@ layout(location = 0) out vec4 radiance; // linear sRGB, signed; alpha: covered
 
 // Returns the radiance due to a light in the direction `to_light`. `views`: differences of the direction to the viewer.
 vec3 of_light(ivec2 pixel, SurfacePoint at, mat2x3 views, Light light, vec3 to_light) {
-    Pair pair = pair_of(to_light, at.to_view, surface.medium);
+    Pair pair = pair_of(to_light, at.to_view, source.medium);
     Footprint footprint = POINT;
     if (SOURCE_READS_FOOTPRINT) {
         Footprint change = footprint_of(at, views, light, to_light);
@@ -49,7 +49,7 @@ vec3 of_surroundings(SurfacePoint at, mat2x3 views, Light light) {
     if (!MIRRORED || at.to_view.z <= HORIZON) {
         return vec3(0.0);
     }
-    Pair pair = pair_of(vec3(-at.to_view.xy, at.to_view.z), at.to_view, surface.medium);
+    Pair pair = pair_of(vec3(-at.to_view.xy, at.to_view.z), at.to_view, source.medium);
     return LINEAR_SRGB_FROM_XYZ * source_mirrored(pair) * mirrored_radiance(at, views, light) / at.to_view.z;
 }
 

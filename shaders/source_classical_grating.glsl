@@ -2,10 +2,11 @@
 // the grating equation u = m lambda/d is solved for the wavelength of each order, and the colours of these wavelengths
 // are summed. Baseline without data. Its twin is src/render/source/classical_grating.rs.
 
-layout(set = 1, binding = 3, std140) uniform ClassicalGrating {
+layout(set = 1, binding = 2, std140) uniform ClassicalGrating {
     float period;             // [um]
     float strength;           // radiance of the first order under a light of irradiance 1
     vec2 axis;                // direction of the period, in the tangent plane
+    Medium medium;            // refractive indices of the surface, unless sums over wavelengths contain all of it
 } source;
 
 const int ORDERS = 8;

@@ -3,7 +3,7 @@
 #include "spectra.glsl"
 #include "orders.glsl"
 
-layout(set = 1, binding = 7, std140) uniform Grating {
+layout(set = 1, binding = 6, std140) uniform Grating {
     Copies copies;
 } grating;
 

@@ -10,17 +10,17 @@ layout(constant_id = 11) const int TEXELS = 3; // texels per direction and tap, 
 layout(constant_id = 16) const int BANDS = 64; // of wavelengths of the specular order, a power of 4
 
 // TEXELS layers for each piece of the range of |w|.
-layout(set = 1, binding = 4) uniform sampler2DArray color_table;
+layout(set = 1, binding = 3) uniform sampler2DArray color_table;
 
 // XYZ of the specular order over |w| and its variance in (u, v): one row per band of wavelengths, then rows of the sums of 4, 16 ... and at last of
 // all bands; the last row holds the mean R of a material over twice the cosine of the half angle, or 1.
-layout(set = 1, binding = 5) uniform sampler2D specular;
+layout(set = 1, binding = 4) uniform sampler2D specular;
 
 // Basis functions, one row per piece: X, Y and Z of one coordinate after the other; RGBA: coefficients of 1, t, t^2 and
 // t^3.
-layout(set = 1, binding = 6) uniform sampler2D basis;
+layout(set = 1, binding = 5) uniform sampler2D basis;
 
-layout(set = 1, binding = 3, std140) uniform Table {
+layout(set = 1, binding = 2, std140) uniform Table {
     float texture_per_uv;     // texture coordinate per unit of u
     float coherence;          // variance of u due to coherence
     float unit;               // BRDF value of a stored 1 [1/sr]
@@ -28,6 +28,7 @@ layout(set = 1, binding = 3, std140) uniform Table {
     float per_growth;         // reciprocal of the variance added per level
     float pieces;             // of 0 ... LARGEST_W
     float last_level;
+    Medium medium;            // refractive indices of the surface, unless sums over wavelengths contain all of it
 } source;
 
 vec4 table_texel(vec3 place, float level) {

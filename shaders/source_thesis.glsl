@@ -5,20 +5,21 @@
 
 layout(constant_id = 10) const int PAIRS = 1; // pairs of terms
 
-layout(set = 1, binding = 3, std140) uniform Thesis {
+layout(set = 1, binding = 2, std140) uniform Thesis {
     float sigma;               // standard deviation of the Gaussian window [um]
     float half_range;          // a: the heights are in -a ... a [um]
     int wavelengths;           // texels of `nodes`
     vec2 bins_per_frequency;   // T_x, T_y [um]
     vec2 origin;               // bin of f = 0
     vec2 band;                 // largest |f_x|, |f_y| in the series [1/um]
+    Medium medium;             // refractive indices of the surface, unless sums over wavelengths contain all of it
 } source;
 
 // RGBA = Re, Im of term 2p, Re, Im of term 2p + 1; layer p.
-layout(set = 1, binding = 4) uniform sampler2DArray series;
+layout(set = 1, binding = 3) uniform sampler2DArray series;
 
 // XYZ weight and wavenumber [1/um], the wavenumber growing.
-layout(set = 1, binding = 5) uniform sampler2D nodes;
+layout(set = 1, binding = 4) uniform sampler2D nodes;
 
 // Returns c_2p P_2p + c_2p+1 P_2p+1 of a pair of terms.
 vec2 sum_of_terms(vec4 c, vec4 s) {

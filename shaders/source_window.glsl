@@ -5,7 +5,7 @@
 const int UV_BINS = 256; // entries of `bins` over |(u, v)| in 0 ... 2
 
 // Row of `nodes` and number of wavelengths for each bin of |(u, v)|.
-layout(set = 1, binding = 7, std430) readonly buffer Bins { ivec2 bins[]; };
+layout(set = 1, binding = 6, std430) readonly buffer Bins { ivec2 bins[]; };
 
 const bool SOURCE_READS_FOOTPRINT = false;
 

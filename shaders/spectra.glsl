@@ -4,7 +4,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "kernel.glsl"
 
-layout(set = 1, binding = 3, std140) uniform Spectra {
+layout(set = 1, binding = 2, std140) uniform Spectra {
     vec2 texture_size;              // texels of a layer along f_x and f_y
     vec2 origin;                    // centre of the texel of f = 0, in texels from the texture's corner
     vec2 texels_per_frequency;      // L_x, L_y [um]
@@ -14,19 +14,20 @@ layout(set = 1, binding = 3, std140) uniform Spectra {
     vec2 column;                    // texture coordinate of `coefficients` at z = k|w| = 0, and per unit of z [um]
     float pairs_per_z;              // pairs of terms at k|w|: ceil(pairs_per_z k|w| + fewest_pairs)
     float fewest_pairs;
+    Medium medium;                  // refractive indices of the surface, unless sums over wavelengths contain all of it
 } source;
 
 // Spectra of the basis functions: RGBA = Re, Im of term 2p, Re, Im of term 2p + 1, relative to the peak of a flat
 // mirror. Pair p of terms is layer p.
-layout(set = 1, binding = 4) uniform sampler2DArray layers;
+layout(set = 1, binding = 3) uniform sampler2DArray layers;
 
 // c_2p, c_2p+1 as (Re, Im, Re, Im) over z, in the layers of the same numbers. Small tables are textures, because
 // software devices read textures eight lanes at a time, and buffers lane by lane.
-layout(set = 1, binding = 5) uniform sampler2DArray coefficients;
+layout(set = 1, binding = 4) uniform sampler2DArray coefficients;
 
 // XYZ weight and wavenumber 1/lambda [1/um] of quadrature nodes, ascending along a row; or the colour functions as
 // densities.
-layout(set = 1, binding = 6) uniform sampler2D nodes;
+layout(set = 1, binding = 5) uniform sampler2D nodes;
 
 // Compile-time constants. For other conditions software devices run both sides of a branch.
 layout(constant_id = 12) const bool HALF_PLANE = true;   // the layers hold f_x >= 0 only

@@ -176,7 +176,9 @@ class Diffract(mi.BSDF):
             xyz /= dr.maximum(1, dr.maximum(of_light.x, of_viewer.x))
             passed = 0 if self.export.hides_pigment() else of_light.y * of_viewer.y
         pigment = mi.Color3f(self.base_color) * (passed * light.z * dr.inv_pi)
-        return dr.select(active, mi.Color3f(mi.Matrix3f(TO_SRGB) @ xyz) + pigment, 0)
+        # Rows of Python's numbers: a matrix of Dr.Jit from a NumPy array is garbage within Mitsuba's calls.
+        rgb = mi.Color3f(*(dr.dot(mi.ScalarVector3f(row), xyz) for row in TO_SRGB.tolist()))
+        return dr.select(active, rgb + pigment, 0)
 
     # ------------------------------------------------------------------------------------------------ frames and footprints
 

@@ -52,7 +52,7 @@ fn pipelines_of_a_device_serve_another() {
         let (uniform, storage) =
             (ash::vk::DescriptorType::UNIFORM_BUFFER, ash::vk::DescriptorType::STORAGE_BUFFER);
         let first = Descriptors::new(device, "set 0", &[block(0, uniform), block(8, storage)]).unwrap();
-        let second = Descriptors::new(device, "set 1", &[block(3, uniform)]).unwrap();
+        let second = Descriptors::new(device, "set 1", &[block(2, uniform)]).unwrap();
         let code = Code { name: "interface_probe.comp", spirv: code, constants: &[] };
         Pipeline::compute(device, code, &[&first, &second], 0).unwrap();
     };

@@ -63,6 +63,7 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             pairs_per_z: 113.0,
             fewest_pairs: 114.0,
             padding: [0.0; 2],
+            ..SpectraBlock::default()
         };
         expected.extend([
             [101.0, 102.0, 103.0, 104.0],
@@ -89,8 +90,8 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
         let first = set("probe set 0", &[(0, block), (8, list)]);
         first.buffer(0, &frame);
         first.buffer(8, &answers);
-        let second = set("probe set 1", &[(3, block)]);
-        second.buffer(3, &spectra);
+        let second = set("probe set 1", &[(2, block)]);
+        second.buffer(2, &spectra);
         let code = include_bytes!(concat!(env!("OUT_DIR"), "/interface_probe.comp.spv")).as_slice();
         let code = Code { name: "interface_probe.comp", spirv: code, constants: &[] };
         let pipeline = Pipeline::compute(device, code, &[&first, &second], 0).unwrap();

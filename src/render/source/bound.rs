@@ -93,12 +93,10 @@ impl BoundSource {
         &mut self,
         device: &Arc<Device>,
         mut tables: Vec<(u32, Image)>,
-        mut buffers: Vec<(u32, Buffer)>,
+        buffers: Vec<(u32, Buffer)>,
         factor: &SurfaceFactor,
     ) -> Result<()> {
-        let (images, medium) = factor.upload(device)?;
-        tables.extend(images);
-        buffers.push(medium);
+        tables.extend(factor.images(device)?);
         let edge = Sampler::linear(device, "table sampler", vk::SamplerAddressMode::CLAMP_TO_EDGE)?;
         for (number, image) in &tables {
             self.descriptors.image(*number, image, &edge);

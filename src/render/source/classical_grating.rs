@@ -1,7 +1,7 @@
 //! Classical shader of a grating of one period, as a baseline. Its twin is `shaders/source_classical_grating.glsl`.
 
 use super::bound::{BoundSource, Kind, uniform};
-use super::surface_factor::{FIRST, SurfaceFactor};
+use super::surface_factor::{FIRST, MediumBlock, SurfaceFactor};
 use super::{SourceSummary, stages};
 use crate::error::Result;
 use crate::settings::Optics;
@@ -27,6 +27,7 @@ struct ClassicalGratingBlock {
     period: f32,
     strength: f32,
     axis: [f32; 2],
+    medium: MediumBlock,
 }
 
 impl ClassicalGrating {
@@ -42,13 +43,14 @@ impl ClassicalGrating {
     }
 
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
+        let factor = SurfaceFactor::without_spectrum(&optics.reflectance);
         let block = ClassicalGratingBlock {
             period: self.period as f32,
             strength: self.strength as f32,
             axis: self.axis.map(|x| x as f32),
+            medium: factor.medium(),
         };
         let block = uniform(device, "classical grating block", &block)?;
-        let factor = SurfaceFactor::without_spectrum(&optics.reflectance);
         bound.replace(device, Vec::new(), vec![(FIRST, block)], &factor)
     }
 

@@ -31,7 +31,7 @@ pub struct Grating {
 }
 
 /// Binding number of set 1, after those of [`spectra::binding`].
-const COPIES: u32 = 7;
+const COPIES: u32 = 6;
 
 /// The `Grating` block of the source (std140).
 #[repr(C)]
@@ -79,18 +79,14 @@ impl Grating {
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let colours = self.colours(optics);
         let of = (&*self.layers, self.repeats.sigma());
+        let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
         let most = self.repeats.most_wavelengths(colours.lag).min(self.repeats.limit());
         bound.iterations = Iterations::new(most.ceil() as usize, self.layers.pairs());
         let nodes = WavelengthTexture::densities(&colours);
-        let (tables, mut buffers) = spectra::settings(device, of, &nodes)?;
+        let (tables, mut buffers) = spectra::settings(device, of, &nodes, factor.medium())?;
         let block = CopiesBlock::new(&self.repeats, &colours, optics.budget().window.wavelengths);
         buffers.push((COPIES, uniform(device, "grating block", &block)?));
-        bound.replace(
-            device,
-            tables,
-            buffers,
-            &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()),
-        )
+        bound.replace(device, tables, buffers, &factor)
     }
 
     /// Returns the colour functions of `optics`.

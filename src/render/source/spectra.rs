@@ -3,6 +3,7 @@
 
 use super::Extent;
 use super::bound::{BoundSource, Kind, uniform};
+use super::surface_factor::MediumBlock;
 use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::render::tables::TableTexture;
@@ -22,10 +23,10 @@ use std::sync::Arc;
 
 /// Binding numbers of set 1.
 pub(super) mod binding {
-    pub const BLOCK: u32 = 3;
-    pub const LAYERS: u32 = 4;
-    pub const COEFFICIENTS: u32 = 5;
-    pub const NODES: u32 = 6;
+    pub const BLOCK: u32 = 2;
+    pub const LAYERS: u32 = 3;
+    pub const COEFFICIENTS: u32 = 4;
+    pub const NODES: u32 = 5;
 }
 
 /// Kinds of the bindings, in order.
@@ -58,12 +59,14 @@ pub struct SpectraBlock {
     pub pairs_per_z: f32,
     /// See `pairs_per_z`.
     pub fewest_pairs: f32,
-    /// std140 rounds a block up to 16 bytes.
+    /// std140 aligns structures to 16 bytes.
     pub padding: [f32; 2],
+    /// Refractive indices of the surface.
+    pub medium: MediumBlock,
 }
 
 /// Makes the `Spectra` block of `layers` seen through a Gaussian window of standard deviation `sigma` \[µm\].
-pub fn spectra_block(layers: &Layers, sigma: f64) -> SpectraBlock {
+pub fn spectra_block(layers: &Layers, sigma: f64, medium: MediumBlock) -> SpectraBlock {
     let pair = |v: [f64; 2]| v.map(|x| x as f32);
     let columns = layers.coefficients.columns as f64;
     SpectraBlock {
@@ -78,6 +81,7 @@ pub fn spectra_block(layers: &Layers, sigma: f64) -> SpectraBlock {
         fewest_pairs: layers.pairs_needed.fewest as f32,
         half_range: layers.coefficients.half_range as f32,
         padding: [0.0; 2],
+        medium,
     }
 }
 
@@ -131,8 +135,9 @@ pub(super) fn settings(
     device: &Arc<Device>,
     (layers, sigma): (&Layers, f64),
     nodes: &TableTexture,
+    medium: MediumBlock,
 ) -> Result<Bound> {
-    let block = uniform(device, "spectra block", &spectra_block(layers, sigma))?;
+    let block = uniform(device, "spectra block", &spectra_block(layers, sigma, medium))?;
     let nodes = numbers(device, "nodes", nodes)?;
     Ok((vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)]))
 }

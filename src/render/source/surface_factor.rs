@@ -8,7 +8,6 @@ use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::{COLUMNS, IndexTriple, ROWS, Reflectance};
 use crate::optics::theory::Theory;
 use crate::render::upload;
-use crate::vk::buffer::Buffer;
 use crate::vk::device::Device;
 use crate::vk::image::Image;
 use crate::vk::pipeline::Constant;
@@ -17,19 +16,14 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 /// First bindings of set 1 of every source.
-pub(super) const BINDINGS: [(u32, vk::DescriptorType); 3] = [
-    (MEDIUM, vk::DescriptorType::UNIFORM_BUFFER),
+pub(super) const BINDINGS: [(u32, vk::DescriptorType); 2] = [
     (REFLECTANCES, vk::DescriptorType::COMBINED_IMAGE_SAMPLER),
     (ENERGY, vk::DescriptorType::COMBINED_IMAGE_SAMPLER),
 ];
-const MEDIUM: u32 = 0;
-const REFLECTANCES: u32 = 1;
-const ENERGY: u32 = 2;
+const REFLECTANCES: u32 = 0;
+const ENERGY: u32 = 1;
 /// First binding of a source's own.
 pub(super) const FIRST: u32 = BINDINGS.len() as u32;
-
-/// Images and the buffer of the bindings, each with its number.
-type FactorBindings = (Vec<(u32, Image)>, (u32, Buffer));
 
 /// Law of the factor: values of the specialisation constant `FACTOR_LAW`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +69,9 @@ impl SurfaceFactor {
     pub fn without_spectrum(reflectance: &Reflectance) -> Self {
         let stam = reflectance.clone().by(Theory::Stam);
         let law = if matches!(stam, Reflectance::Schlick(_)) { Law::Schlick } else { Law::Fresnel };
-        Self { law, ..Self::of_sums(&stam, None) }
+        let indices =
+            IndexTriple { n: [stam.luminous_index(); 3], k: [0.0; 3], polarisation: Polarisation::None };
+        Self { law, indices, ..Self::of_sums(&stam, None) }
     }
 
     /// Returns the factor of a table that holds R by Stam's theory, divided by its mean.
@@ -114,13 +110,14 @@ impl SurfaceFactor {
         ]
     }
 
-    /// Makes the images and the buffer of the bindings.
-    pub fn upload(&self, device: &Arc<Device>) -> Result<FactorBindings> {
-        let images = vec![(REFLECTANCES, self.reflectances(device)?), (ENERGY, self.energy(device)?)];
-        let block = MediumBlock::new(&self.indices);
-        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
-        let medium = Buffer::with_data(device, "surface medium", usage, bytemuck::bytes_of(&block))?;
-        Ok((images, (MEDIUM, medium)))
+    /// Makes the images of the bindings, each with its number.
+    pub fn images(&self, device: &Arc<Device>) -> Result<[(u32, Image); 2]> {
+        Ok([(REFLECTANCES, self.reflectances(device)?), (ENERGY, self.energy(device)?)])
+    }
+
+    /// Returns the refractive indices for the source's block.
+    pub fn medium(&self) -> MediumBlock {
+        MediumBlock::new(&self.indices)
     }
 
     /// Makes the texture of R, or of n and k; a single 1 if sums over wavelengths contain neither.
@@ -155,7 +152,7 @@ fn texture(device: &Arc<Device>, name: &str, size: [usize; 2], texels: &[[f32; 4
     upload::texture(device, name, vk::Format::R32G32B32A32_SFLOAT, size, None, bytemuck::cast_slice(texels))
 }
 
-/// The `SurfaceMedium` block (std140): n and k that stand for X, Y and Z.
+/// `Medium` at the end of each source's block (std140): n and k that stand for X, Y and Z.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MediumBlock {

@@ -3,7 +3,7 @@
 
 use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
-use super::surface_factor::SurfaceFactor;
+use super::surface_factor::{MediumBlock, SurfaceFactor};
 use super::{Extent, SourceSummary, stages};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
@@ -30,10 +30,10 @@ pub struct Table {
 
 /// Binding numbers of set 1.
 mod binding {
-    pub const BLOCK: u32 = 3;
-    pub const COLOURS: u32 = 4;
-    pub const SPECULAR: u32 = 5;
-    pub const BASIS: u32 = 6;
+    pub const BLOCK: u32 = 2;
+    pub const COLOURS: u32 = 3;
+    pub const SPECULAR: u32 = 4;
+    pub const BASIS: u32 = 5;
 }
 
 const KINDS: [Kind; 4] = [
@@ -61,8 +61,10 @@ pub struct TableBlock {
     pub pieces: f32,
     /// Number of the coarsest level.
     pub last_level: f32,
-    /// std140 rounds a block up to 16 bytes.
+    /// std140 aligns structures to 16 bytes.
     pub padding: f32,
+    /// Refractive indices of the surface.
+    pub medium: MediumBlock,
 }
 
 impl Table {
@@ -116,7 +118,7 @@ impl Table {
     /// Uploads the block; the reflectance is the only part that depends on more than the table.
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let header = &self.table.header;
-        let grid = &header.grid;
+        let (grid, factor) = (&header.grid, self.factor(optics));
         let block = TableBlock {
             texture_per_uv: (0.5 / grid.extent) as f32,
             coherence: header.coherence_blur as f32,
@@ -126,9 +128,10 @@ impl Table {
             pieces: header.basis.pieces as f32,
             last_level: (grid.levels - 1) as f32,
             padding: 0.0,
+            medium: factor.medium(),
         };
         let block = uniform(device, "table block", &block)?;
-        bound.replace(device, Vec::new(), vec![(binding::BLOCK, block)], &self.factor(optics))
+        bound.replace(device, Vec::new(), vec![(binding::BLOCK, block)], &factor)
     }
 
     /// Returns the factor in front of the table.

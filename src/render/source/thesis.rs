@@ -4,7 +4,7 @@ use super::bound::{BoundSource, Kind, uniform};
 use super::cost::Cost;
 use super::part::Iterations;
 use super::spectra::{edge, format, numbers};
-use super::surface_factor::SurfaceFactor;
+use super::surface_factor::{MediumBlock, SurfaceFactor};
 use super::{SourceSummary, stages};
 use crate::error::Result;
 use crate::render::directions::Directions;
@@ -30,9 +30,9 @@ pub struct Thesis {
 
 /// Binding numbers of set 1.
 mod binding {
-    pub const BLOCK: u32 = 3;
-    pub const SERIES: u32 = 4;
-    pub const NODES: u32 = 5;
+    pub const BLOCK: u32 = 2;
+    pub const SERIES: u32 = 3;
+    pub const NODES: u32 = 4;
 }
 
 const KINDS: [Kind; 3] = [Kind::UNIFORM_BUFFER, Kind::COMBINED_IMAGE_SAMPLER, Kind::COMBINED_IMAGE_SAMPLER];
@@ -49,6 +49,7 @@ struct ThesisBlock {
     origin: [f32; 2],
     band: [f32; 2],
     padding: [f32; 2],
+    medium: MediumBlock,
 }
 
 impl Thesis {
@@ -70,6 +71,7 @@ impl Thesis {
     pub(super) fn set(&self, device: &Arc<Device>, bound: &mut BoundSource, optics: &Optics) -> Result<()> {
         let pair = |v: [f64; 2]| v.map(|x| x as f32);
         let layers = &self.layers;
+        let factor = SurfaceFactor::of_sums(&optics.reflectance, None);
         let block = ThesisBlock {
             sigma: layers.sigma as f32 * layers.texels.unit(),
             half_range: self.half_range as f32,
@@ -78,13 +80,13 @@ impl Thesis {
             // The shader truncates.
             origin: layers.origin.map(|n| n as f32 + 0.5),
             band: pair(layers.band),
+            medium: factor.medium(),
             ..ThesisBlock::default()
         };
         bound.iterations = Iterations::new(WAVELENGTHS, self.layers.pairs());
         let wavelengths = WavelengthTexture::even(&optics.illuminant, WAVELENGTHS);
         let nodes = numbers(device, "nodes", &wavelengths.nodes)?;
         let block = uniform(device, "thesis block", &block)?;
-        let factor = SurfaceFactor::of_sums(&optics.reflectance, None);
         bound.replace(device, vec![(binding::NODES, nodes)], vec![(binding::BLOCK, block)], &factor)
     }
 

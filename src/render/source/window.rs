@@ -26,7 +26,7 @@ pub struct Window {
 }
 
 /// Binding number of set 1, after those of [`spectra::binding`].
-const BINS: u32 = 7;
+const BINS: u32 = 6;
 
 impl Window {
     pub(super) fn bind(&self, device: &Arc<Device>, optics: &Optics) -> Result<BoundSource> {
@@ -46,7 +46,8 @@ impl Window {
         let wavelengths = WavelengthTexture::of(layers, optics);
         bound.iterations = Iterations::new(wavelengths.most(), layers.pairs());
         let of = (&**layers, layers.sigma);
-        let (tables, mut buffers) = spectra::settings(device, of, &wavelengths.nodes)?;
+        let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
+        let (tables, mut buffers) = spectra::settings(device, of, &wavelengths.nodes, factor.medium())?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         buffers.push((
             BINS,
@@ -57,12 +58,7 @@ impl Window {
                 bytemuck::cast_slice(&wavelengths.bins),
             )?,
         ));
-        bound.replace(
-            device,
-            tables,
-            buffers,
-            &SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref()),
-        )
+        bound.replace(device, tables, buffers, &factor)
     }
 
     pub(super) fn summary(&self, optics: &Optics) -> SourceSummary {
