@@ -1,5 +1,5 @@
 // Wavelengths of colours of n x m copies of the patch: at the orders and between them. The f64 twin, with the
-// derivation, is src/optics/orders.rs. SHORTEST and LONGEST are defined in reflectance.glsl. `nodes` holds the colour
+// derivation, is src/optics/orders.rs. SHORTEST and LONGEST are defined in brdf.glsl. `nodes` holds the colour
 // functions as densities over wavenumber, 1/LONGEST to 1/SHORTEST.
 
 struct Copies {

@@ -6,7 +6,7 @@
 | --- | --- |
 | `folder` | folder of the export |
 | `footprint` | standard deviation of (u, v) that every evaluation averages over; by default, and at least, the smallest footprint of the export |
-| `base_color` | albedo of a matt pigment below the surface, linear sRGB; black by default |
+| `base_color` | albedo of a matt pigment below the surface, linear sRGB; black by default. Metals hide it, except where the theory is not limited |
 | `tangent` | name of a mesh attribute with the direction of the rows of the height field, as `vertex_tangent`; by default dp/du |
 
 Evaluations average over the footprint of the pixel, too, where `si` has the differentials of its texture coordinates. Mitsuba's own integrators compute none in

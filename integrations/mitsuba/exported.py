@@ -20,7 +20,7 @@ FORMAT, VERSIONS = "diffract-material", (1, 2)
 # Format of table.ktx2: VK_FORMAT_R16G16B16A16_SFLOAT.
 HALVES = 97
 # A material hides the pigment below if light is darker than 1/e at this depth [um], by k at this wavelength [um].
-OPAQUE_WITHIN, MIDDLE = 10.0, 0.557
+OPAQUE_WITHIN, MIDDLE = 10.0, 0.55
 
 
 class ExportError(Exception):
@@ -34,8 +34,8 @@ class Export:
     |w|][XYZ]. variances: of u, for each band.
 
     By Stam's theory, mean: the mean reflectance over the cosine at the half vector. By the small-slope approximation, indices: n + ik for X, Y and Z;
-    polarisation: of the light; energy: the limit of energy over directions, [row along y][column along x][2]: the directional albedo over the reflectance of a
-    flat surface, and the root of the factor of a pigment. What the other theory has is None.
+    polarisation: of the light. What the other theory has is None. energy: the limit of energy over directions, [row along y][column along x][2]: the directional
+    albedo over the reflectance of a flat surface, and the root of the factor of a pigment; None if the theory is not limited.
     """
 
     def __init__(self, folder):
@@ -64,15 +64,21 @@ class Export:
             self.indices, self.polarisation = np.array(indices["n"]) + 1j * np.array(indices["k"]), indices["polarisation"]
         else:
             self.mean = np.array(table["mean_reflectance"])
-        if bool(indices) != bool(energy):
-            raise ExportError(f"{self.folder / 'table.json'} has only one of refractive indices and a limit of energy; export the material again")
+        if indices and not energy:
+            raise ExportError(f"{self.folder / 'table.json'} has refractive indices and no limit of energy; export the material again")
         if energy:
             side = math.isqrt(len(energy))
             self.energy = np.array(energy).reshape(side, side, 2)
 
     def hides_pigment(self):
-        """Returns true if no light reaches a pigment below the surface; only the small-slope approximation tells."""
-        return self.indices is not None and self.indices[1].imag * 4 * math.pi / MIDDLE * OPAQUE_WITHIN > 1
+        """Returns true if the material lets no light through to a pigment below."""
+        fresnel = self.about["reflectance"].get("Fresnel")
+        table = fresnel and fresnel["material"]["index"].get("Table")  # other materials do not absorb
+        if not table:
+            return False
+        wavelengths, indices = table
+        k = np.interp(1000 * MIDDLE, wavelengths, [k for _, k in indices])
+        return k * 4 * math.pi / MIDDLE * OPAQUE_WITHIN > 1
 
     def json(self, name):
         """Returns the content of a file of the folder."""

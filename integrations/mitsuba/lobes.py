@@ -57,13 +57,13 @@ def excess(export, direction):
 
 def factor(export, light, viewer):
     """Returns the factor of Y in f cos(theta_light), times w^2. `light` and `viewer` are lists of three arrays."""
+    limit = 1 if export.energy is None else np.maximum(1, np.maximum(excess(export, light), excess(export, viewer)))
     if export.indices is not None:
-        limit = np.maximum(1, np.maximum(excess(export, light), excess(export, viewer)))
         kernel = small_slope.on_host(export.indices[1], light, viewer, export.polarisation)
         return 4 * light[2] ** 2 * viewer[2] * kernel / limit
     half2 = 0.5 * sum((a + b) ** 2 for a, b in zip(light, viewer))
     mean = np.interp(np.sqrt(0.5 * half2), np.linspace(0, 1, len(export.mean)), export.mean)
-    return mean * half2**2 / viewer[2]
+    return mean * half2**2 / (viewer[2] * limit)
 
 
 def slices(export, footprint):

@@ -92,7 +92,7 @@ class TheFunction(unittest.TestCase):
         self.assertTrue(self.check(answer(lambda v: v)).startswith("right: "))
         off = from_table(skin)
         print(f"conformance: {off:.1e} relative L2 from the table")
-        self.assertLess(off, 1e-5)  # sums of 32-bit floats; 1.3e-6 is measured
+        self.assertLess(off, 1e-5)  # sums of 32-bit floats; 1.4e-6 is measured
 
     def test_a_turned_footprint_is_noticed(self):
         answer, _ = conformance(skin, bsdf)
@@ -102,7 +102,7 @@ class TheFunction(unittest.TestCase):
 
 class Theories(unittest.TestCase):
     def test_each_theory_material_and_version_has_the_colours_of_its_table(self):
-        for name, words in [("stam", ["--theory", "stam"]), ("gold", ["--material", "gold"]), ("tm", ["--polarisation", "tm"])]:
+        for name, words in [("stam", ["--theory", "stam"]), ("gold", ["--material", "gold"]), ("tm", ["--polarisation", "tm"]), ("film", ["--film", "120nm:1.7"])]:
             diffract("export", "blaze", "-o", folder / name, "--footprint", "0.02", *OPTICS, *words)
             off = from_table(folder / name)
             print(f"blaze, {name}: {off:.1e} relative L2 from the table")
@@ -148,7 +148,7 @@ class Pictures(unittest.TestCase):
     def test_a_plate_is_that_of_diffract(self):
         off = self.one_sample("plate", (160, 120))
         print(f"plate, one sample: {off:.1e} relative L2")
-        self.assertLess(off, 1e-3)  # 7.9e-5 is measured
+        self.assertLess(off, 1e-3)  # 7.8e-5 is measured
         self.assertGreater(self.one_sample("plate", (160, 120), turned=0.2), 0.1)
 
     def test_a_snake_is_that_of_diffract(self):
@@ -177,7 +177,7 @@ class ThreePrograms(unittest.TestCase):
         shown, _ = compare.plates()
         for pair, off in compare.differences(shown).items():
             print(f"plate, {' from '.join(pair)}: {off:.1e} relative L2")
-            self.assertLess(off, 1e-3, pair)  # 5e-5 is measured
+            self.assertLess(off, 1e-3, pair)  # 7e-6 is measured
         self.assertGreater(relative_l2(shown["Mitsuba"][:, ::-1], shown["diffract"]), 0.1)
 
 
@@ -204,7 +204,7 @@ class Energy(unittest.TestCase):
             albedo = values.sum(axis=(0, 1)) * (2 / 1024) ** 2
             mean, spread = furnace({"type": "diffract", "folder": str(skin)}, theta, phi)
             print(f"furnace at {theta}, {phi}: {mean} ± {spread}, diffract {albedo}")
-            # f grows as 1/cos toward the horizon: there the sum over the map errs by up to 3 % of the albedo, in red at 30 degrees.
+            # The sum over the map errs, too: 0.6 % are measured.
             self.assertTrue((abs(mean - albedo) < 0.01 * albedo.mean() + 4 * spread).all(), (theta, phi))
             self.assertTrue((mean < 1).all())
 

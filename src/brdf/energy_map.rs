@@ -48,11 +48,7 @@ impl EnergyMap {
         let transmitted: Vec<f64> = albedos.map(|albedo| 1.0 - albedo).collect();
         let scale = mean_over_cosines(&transmitted).max(f64::MIN_POSITIVE).sqrt().recip();
         let points = ratios.iter().zip(&transmitted).map(|(r, t)| [*r as f32, (t * scale) as f32]).collect();
-        let below = |degrees: f64| degrees.to_radians().cos();
-        let largest = (0..DirectionGrid::COUNT)
-            .filter(|point| DirectionGrid::direction(*point).z > below(85.0))
-            .map(|point| ratios[point])
-            .fold(0.0, f64::max);
+        let largest = largest_below_85_degrees(|point| ratios[point]);
         Self { points, header: EnergyMapHeader { largest, error: 0.0 } }
     }
 
@@ -123,7 +119,10 @@ impl EnergyMap {
 
     /// Returns the map of an export, whose errors are not known here; `None` if the points are not valid.
     pub fn of_points(points: &[[f32; 2]]) -> Option<Self> {
-        let largest = points.iter().map(|[excess, _]| f64::from(*excess)).fold(0.0, f64::max);
+        if !Self::are_sound(points) {
+            return None;
+        }
+        let largest = largest_below_85_degrees(|point| f64::from(points[point][0]));
         Self::from_parts(EnergyMapHeader { largest, error: 0.0 }, points.to_vec())
     }
 
@@ -149,6 +148,13 @@ pub fn excess_note(largest: f64) -> Option<String> {
             100.0 * (largest - 1.0)
         )
     })
+}
+
+/// Returns the largest ratio of the directions up to 85° from the normal; nearer to the horizon the ratio changes fast and concerns no light.
+fn largest_below_85_degrees(ratio: impl Fn(usize) -> f64) -> f64 {
+    let least = 85f64.to_radians().cos();
+    let seen = (0..DirectionGrid::COUNT).filter(|point| DirectionGrid::direction(*point).z > least);
+    seen.map(ratio).fold(0.0, f64::max)
 }
 
 /// Interpolates E/R between the points of a map.

@@ -150,8 +150,12 @@ impl Brdf for MeanReference<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::optics::energy::EnergyLimit;
     use crate::optics::geometry::direction;
+    use crate::optics::material::Material;
     use crate::optics::quadrature::Wavelengths;
+    use crate::optics::reflectance::Reflectance;
+    use crate::optics::theory::Theory;
     use crate::random::Random;
     use crate::spectra::power::Beyond;
     use crate::surface::HeightField;
@@ -162,8 +166,30 @@ mod tests {
         (0..count).map(|_| Pair::new(any(), any())).collect()
     }
 
+    /// Returns the mean by Stam's theory, whose values have no limit of energy.
     fn mean(field: &HeightField) -> MeanBrdf<'_> {
-        MeanBrdf { field, sigma: 1.25, beyond: Beyond::Copies, reflectance: 1.5.into() }
+        let reflectance = Reflectance::from(1.5).by(Theory::Stam);
+        MeanBrdf { field, sigma: 1.25, beyond: Beyond::Copies, reflectance }
+    }
+
+    #[test]
+    fn values_within_a_limit_of_energy_are_those_without_it_over_the_excess_of_either_direction() {
+        let silver = Material::from_name_or_file("silver").unwrap();
+        let heights = (0..400).map(|i| 0.25 * (f64::from(i) * 0.618_034).fract()).collect();
+        let field = HeightField::new(20, 20, [0.1; 2], heights).unwrap();
+        let mean = MeanBrdf { reflectance: Reflectance::of_material(silver, None), ..mean(&field) };
+        let pairs = pairs(40);
+        let found = MeanReference::new(mean.clone(), &Illuminant::D65, 0.4).spectral(&pairs, 0.5).unwrap();
+        let orders = TabulatedMean::new(mean.clone(), 0.4, &|_, _| Ok(())).unwrap();
+        let albedo = orders.albedo(Decimation::Fine);
+        let mut limited = 0;
+        for (pair, found) in pairs.iter().zip(found) {
+            let free = mean.brdf(pair, 0.5);
+            let limit = albedo.single(pair, 0.5);
+            assert!((found * limit - free).abs() <= 1e-3 * free, "{found} {limit} {free}");
+            limited += usize::from(limit > 1.01);
+        }
+        assert!(limited > 5, "no direction is limited");
     }
 
     /// Returns patches of 8 × 8 samples, whose orders are fourteen standard deviations of the blur apart: rough, and of

@@ -321,9 +321,9 @@ mod tests {
         assert!(e.contains("no description"), "{e}");
         let e = reason(MATERIAL, &|bytes| {
             let text = String::from_utf8(bytes.clone()).unwrap();
-            *bytes = text.replace("\"version\": 1", "\"version\": 2").into_bytes();
+            *bytes = text.replace("\"version\": 2", "\"version\": 3").into_bytes();
         });
-        assert!(e.contains("version 2") && e.contains("newer program"), "{e}");
+        assert!(e.contains("version 3") && e.contains("newer program"), "{e}");
         export(&folder).unwrap();
         fs::remove_file(folder.join(TEXELS)).unwrap();
         let e = ExportReader::open(&folder).unwrap().check().unwrap_err().to_string();

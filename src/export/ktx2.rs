@@ -194,7 +194,9 @@ mod tests {
         let bytes = write_functions(header);
         let reader = Reader::new(&bytes[..]).unwrap();
         let rows = header.specular_rows().len() / SPECULAR_SAMPLES;
-        assert_eq!(reader.header().pixel_height as usize, rows + header.basis.pieces);
+        let energy = header.energy.as_ref().unwrap();
+        let height = rows + header.basis.pieces + DirectionGrid::SIDE;
+        assert_eq!(reader.header().pixel_height as usize, height);
         let level = reader.levels().next().unwrap().data;
         let at = |row: usize, column: usize| -> Vec<f32> {
             let from = 16 * (row * SPECULAR_SAMPLES + column);
@@ -203,6 +205,7 @@ mod tests {
         assert_eq!(at(3, 7)[..3], header.specular.weights[3][7]);
         let last = header.basis.pieces - 1;
         assert_eq!(at(rows + last, 4), header.basis.of_piece(last)[1][1]);
+        assert_eq!(at(height - 1, 5)[..2], energy[DirectionGrid::COUNT - DirectionGrid::SIDE + 5]);
     }
 
     #[test]

@@ -594,6 +594,7 @@ mod tests {
         for plain in
             [constant(1.5, None), of("gold"), constant(2.0, Some(Film { thickness: 0.2, index: 1.4 }))]
         {
+            let plain = plain.by(Theory::Stam);
             let [te, tm] = [Polarisation::Te, Polarisation::Tm].map(|p| plain.clone().polarised(p));
             assert!(te.is_spectral() && te.index().is_none());
             for cosine in [0.0, 0.2, 0.7, 1.0] {

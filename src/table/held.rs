@@ -20,6 +20,8 @@ pub struct HeldFactor {
 }
 
 impl HeldFactor {
+    /// Added to both means of a ratio, so that it tends to 1 where both are below it, less than a hundredth of glass at normal incidence: TM light has a mean of 0 at Brewster's angle, which depends on the wavelength.
+    const DARK: f64 = 3e-4;
     /// Steps of |(u, v)| and |w| over 0 … 2.
     const STEPS: usize = 96;
     /// Wavenumbers over the visible range, ends included: as far apart as the rows of tables of metals.
@@ -46,7 +48,7 @@ impl HeldFactor {
         Some(Self { means: means.collect(), indices })
     }
 
-    /// Returns the mean at a wavenumber \[µm⁻¹\], |(u, v)| and |w|.
+    /// Returns the mean, raised by [`Self::DARK`], at a wavenumber \[µm⁻¹\], |(u, v)| and |w|.
     pub fn mean(&self, wavenumber: f64, uv: f64, w: f64) -> f64 {
         let (first, last) = (1.0 / LONGEST, 1.0 / SHORTEST);
         let place = (wavenumber - first) / (last - first) * (Self::WAVENUMBERS - 1) as f64;
@@ -54,14 +56,12 @@ impl HeldFactor {
         let left = (place as usize).min(Self::WAVENUMBERS - 2);
         let share = place - left as f64;
         let [below, above] = [left, left + 1].map(|i| interpolated(&self.means[i], uv, w));
-        below + share * (above - below)
+        below + share * (above - below) + Self::DARK
     }
 
-    /// Returns the factors of X, Y and Z after the sums: one over the mean of the indices.
+    /// Returns the factors of X, Y and Z after the sums: one over the mean of the indices, raised likewise.
     pub fn scales(&self, uv: f64, w: f64) -> [f64; 3] {
-        /// Mean below which wavelengths are not told apart: a fortieth of glass at normal incidence. TM light has none at Brewster's angle.
-        const DARK: f64 = 1e-3;
-        [0, 1, 2].map(|channel| interpolated(&self.indices[channel], uv, w).max(DARK).recip())
+        [0, 1, 2].map(|channel| (interpolated(&self.indices[channel], uv, w) + Self::DARK).recip())
     }
 }
 

@@ -10,6 +10,7 @@ use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::source::{Grating, Source};
 use diffract::settings::Optics;
+use diffract::setup::{InUse, SourceSettings, colour_limit};
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
@@ -73,6 +74,13 @@ pub fn window(layers: &Layers) -> Source {
 pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source {
     let repeats = Repeats { copies, period: field.patch_size() };
     Source::Grating(Grating { layers: Arc::new(layers.clone()), repeats, energy: None })
+}
+
+/// `source` within the limit of energy of `field` under `optics`, as the program draws it.
+pub fn limited(source: Source, field: &HeightField, optics: &Optics) -> Source {
+    let settings = SourceSettings { cached: false, ..SourceSettings::new(optics.clone()) };
+    let (energy, _) = colour_limit(field, &settings, &mut InUse::default(), &|_, _, _| Ok(())).unwrap();
+    source.limited(energy)
 }
 
 pub fn layers(field: &HeightField, optics: &Optics) -> Layers {

@@ -2,7 +2,7 @@
 //! remedy where there is none, and nowhere a value that is not a number. What the runs print stands in docs/EXTREMES.md.
 
 use crate::device::with_device;
-use crate::evaluation::{grating, optics, patch, window};
+use crate::evaluation::{grating, limited, optics, patch, window};
 use crate::measure::channel;
 use diffract::error::Result;
 use diffract::optics::brdf::cosine_weighted;
@@ -311,7 +311,7 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
                 side_limit: 16_384,
             };
             let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
-            let source = grating(&layers, copies, &field);
+            let source = limited(grating(&layers, copies, &field), &field, &optics);
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, size).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];

@@ -4,6 +4,7 @@ use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
 use crate::measure::colours;
+use diffract::brdf::albedo::Decimation;
 use diffract::brdf::mean::MeanBrdf;
 use diffract::brdf::tabulated::{SummedOrders, TabulatedMean};
 use diffract::filter::{Covariance, FootprintSizes};
@@ -187,7 +188,7 @@ fn albedo(field: &HeightField, optics: &Optics, theta: f64) -> DVec3 {
     let sigma = optics.coherence.sigma().unwrap();
     let reflectance = optics.reflectance.clone();
     let mean = MeanBrdf { field, sigma, beyond: optics.beyond, reflectance };
-    let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
+    let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap().limited(Decimation::Coarse);
     let view = direction(theta, 0.0);
     // Fine against the blur of the orders by coherence, λ/(√8 π σ) ≥ 0.02; the lattice adds its own.
     const SIDE: i32 = 160;
@@ -218,7 +219,7 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
         let sigma = optics.coherence.sigma().unwrap();
         let reflectance = optics.reflectance.clone();
         let mean = MeanBrdf { field: &field, sigma, beyond: optics.beyond, reflectance };
-        let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
+        let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap().limited(Decimation::Coarse);
         let view = DVec3::new(0.3f64.sin(), 0.0, 0.3f64.cos());
         let centre = direction(disc.theta, disc.phi);
         let edge = (0.5 * disc.size).to_radians().cos();

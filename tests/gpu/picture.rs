@@ -1,7 +1,7 @@
 //! Whole pictures against the f64 reference picture, per channel in linear light.
 
 use crate::device::with_device;
-use crate::evaluation::{layers, optics, patch, window};
+use crate::evaluation::{layers, limited, optics, patch, window};
 use crate::measure::channel;
 use diffract::render::directions::Directions;
 use diffract::render::frame::View;
@@ -27,7 +27,8 @@ fn paint(
     view: &View,
 ) -> (Picture, Vec<Directions>) {
     let layers = layers(field, optics);
-    let mut renderer = crate::renderer_of(device, scene, &window(&layers), optics, SIZE).unwrap();
+    let source = limited(window(&layers), field, optics);
+    let mut renderer = crate::renderer_of(device, scene, &source, optics, SIZE).unwrap();
     let picture = renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap();
     let directions = (0..view.lights.len()).map(|light| renderer.directions(view, light).unwrap()).collect();
     (picture, directions)

@@ -2,7 +2,7 @@
 //! orders are summed.
 
 use crate::device::with_device;
-use crate::evaluation::{grating, patch, queries};
+use crate::evaluation::{grating, limited, patch, queries};
 use crate::measure::channel;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::nufft::cosine_weighted_xyz;
@@ -54,7 +54,7 @@ fn paint(
 ) -> (Picture, Vec<Directions>) {
     let Coherence::Repeats(copies) = optics.coherence else { panic!("{optics:?} has a window") };
     let layers = layers(field, optics);
-    let source = grating(&layers, copies, field);
+    let source = limited(grating(&layers, copies, field), field, optics);
     let (mesh, lights) = (&scene.main_object().mesh, view.lights.len());
     let mut renderer = crate::renderer(device, &source, optics, mesh, &Pigment::white(), SIZE).unwrap();
     let picture = renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap();
