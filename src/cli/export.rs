@@ -5,7 +5,7 @@ mod page;
 use self::page::PageSubject;
 use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
-use super::{captions, prepare, say, write};
+use super::{captions, prepare, write};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
 use crate::export::page::MOST_PAGE_TEXELS;
@@ -124,10 +124,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         page::write(path, &subject, &material, &description)?;
     }
     let energy = material.table.header.energy.as_deref().and_then(EnergyMap::of_points);
-    if let Some(note) = energy.and_then(|energy| energy.note()) {
-        say(&note);
-    }
-    write::stdout(&summary(&description))
+    let limited = energy.and_then(|energy| energy.note()).map_or_else(String::new, |note| format!("{note}\n"));
+    write::stdout(&(summary(&description) + &limited))
 }
 
 /// Opens the first object of the scene or mesh called `name`, and checks that none of its files is one of those that are written.

@@ -80,7 +80,7 @@ pub fn source(
         say(&in_options(&note));
     }
     if let Some(note) = made.source.energy().and_then(|energy| energy.note()) {
-        say(&note);
+        detail(&note);
     }
     Ok(made.source)
 }

@@ -271,6 +271,7 @@ fn draw(
         };
         prepare::check(&device)?;
         let mut notes = shot.notes.clone();
+        notes.more.extend(prepared.energy_note().map(|note| ("Limit of energy".to_owned(), note)));
         if shot.is_sealed {
             notes = finished::sealed(notes, format, &picture);
         }

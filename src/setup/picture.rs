@@ -221,6 +221,11 @@ impl<'a> PreparedScene<'a> {
         Ok(exposure::automatic(&self.renderer.read_back()?.radiance))
     }
 
+    /// Returns by how much the theory of the first object was limited, in words, as [`EnergyMap::note`](crate::brdf::energy_map::EnergyMap::note).
+    pub fn energy_note(&self) -> Option<String> {
+        self.source.energy()?.note()
+    }
+
     /// Returns the renderer.
     pub fn renderer(&mut self) -> &mut Renderer {
         &mut self.renderer

@@ -92,7 +92,7 @@ fn orders_of_a_sinusoid_take_squared_bessel_functions_in_and_out_of_its_plane() 
     for (theta, phi) in [(0.0, 0.0), (45.0, 0.0), (60.0, 30.0), (75.0, 120.0)] {
         let light = format!("{theta},{phi}");
         let arguments = ["orders", "sinusoid", "--light", &light, "--wavelength", "550nm"];
-        let csv = sandbox.run2(&arguments, &["--wavelength", "650nm"]).done();
+        let csv = sandbox.run2(&arguments, &["--wavelength", "650nm", "--theory", "stam"]).done();
         let found = rows(&csv);
         let light = direction(theta, phi);
         for wavelength in [0.55, 0.65] {
@@ -107,6 +107,49 @@ fn orders_of_a_sinusoid_take_squared_bessel_functions_in_and_out_of_its_plane() 
             assert!(off(0.101) > 1e-4, "{:e}", off(0.101));
         }
     }
+}
+
+/// Returns |B|² of a refractive index of 1.5 by the formulas of the small-slope approximation, for directions in the plane x, z.
+fn kernel(light: DVec3, view: DVec3) -> f64 {
+    const N2: f64 = 2.25;
+    let [q_i, q_r] = [light, view].map(|d| (N2 - d.x * d.x).sqrt());
+    // The wave vectors in the plane, −x of the light and x of the viewer, point to the same side or to opposite ones.
+    let (cos, sines) = ((-light.x * view.x).signum(), (light.x * view.x).abs());
+    let ss = (N2 - 1.0) * cos / ((light.z + q_i) * (view.z + q_r));
+    let pp = (N2 - 1.0) * (q_i * q_r * cos - N2 * sines) / ((N2 * light.z + q_i) * (N2 * view.z + q_r));
+    0.5 * (ss * ss + pp * pp)
+}
+
+#[test]
+fn by_default_orders_have_the_factor_of_the_small_slope_approximation_and_add_up_to_at_most_all_light() {
+    let sandbox = Sandbox::new().without_vulkan();
+    let light = direction(30.0, 0.0);
+    let of = |more: &[&str]| {
+        let arguments = ["orders", "sinusoid", "--light", "30,0", "--wavelength", "550nm", "--height", "20nm"];
+        rows(&sandbox.run2(&arguments, more).done())
+    };
+    let (small_slope, stam) = (of(&[]), of(&["--theory", "stam"]));
+    assert_eq!(small_slope.len(), stam.len());
+    let mut different = 0;
+    for (order, other) in small_slope.values().zip(stam.values()) {
+        let half = 0.5 * (1.0 + light.dot(order.view));
+        let factor = 4.0 * light.z * order.view.z * kernel(light, order.view);
+        // Stam's has R G; the ratio of the efficiencies is that of the factors.
+        let of_stam = other.reflectance * 4.0 * half * half / (light.z * order.view.z);
+        let ratio = order.efficiency / other.efficiency;
+        // So shallow a surface has nearly the albedo of a flat one: the limit of energy takes less than this.
+        assert!((ratio / (factor / of_stam) - 1.0).abs() < 5e-3, "{ratio} {factor} {of_stam}");
+        different += usize::from((ratio - 1.0).abs() > 0.02);
+    }
+    assert!(different > 2, "the theories do not differ");
+    // Grazing light on silver: Stam's theory makes light.
+    let sum = |more: &[&str]| {
+        let arguments = ["orders", "bumps", "--light", "80,20", "--wavelength", "550nm", "--material", "silver"];
+        let outcome = sandbox.run2(&arguments, more);
+        rows(&outcome.stdout).values().map(|order| order.efficiency).sum::<f64>()
+    };
+    let (limited, free) = (sum(&[]), sum(&["--theory", "stam"]));
+    assert!(limited <= 1.0 && limited > 0.8 && free > 1.2, "{limited} {free}");
 }
 
 #[test]
