@@ -124,7 +124,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         page::write(path, &subject, &material, &description)?;
     }
     let energy = material.table.header.energy.as_deref().and_then(EnergyMap::of_points);
-    let limited = energy.and_then(|energy| energy.note()).map_or_else(String::new, |note| format!("{note}\n"));
+    let limited =
+        energy.and_then(|energy| energy.note()).map_or_else(String::new, |note| format!("{note}\n"));
     write::stdout(&(summary(&description) + &limited))
 }
 
