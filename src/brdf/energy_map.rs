@@ -5,10 +5,8 @@ use crate::optics::colour_excess::{ColourWeights, largest_ratio};
 use crate::optics::energy::{DirectionGrid, EnergyLimit};
 use crate::optics::geometry::Pair;
 use crate::optics::spectrum::Illuminant;
-use crate::random::Random;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 
 /// Limit of energy over the directions of a [`DirectionGrid`] for the colours of one light.
 ///
@@ -28,7 +26,7 @@ pub struct EnergyMap {
 pub struct EnergyMapHeader {
     /// Largest E/R of a direction up to 85°.
     pub largest: f64,
-    /// RMS relative error of the divisor at random directions, by interpolation; 0 if not measured.
+    /// RMS relative error of the divisor at a few directions, by interpolation; 0 if not measured.
     pub error: f64,
 }
 
@@ -52,17 +50,20 @@ impl EnergyMap {
         Self { points, header: EnergyMapHeader { largest, error: 0.0 } }
     }
 
-    /// Returns the map of `albedo` under `illuminant` with its error: the divisor at random directions against that from the orders.
+    /// Returns the map of `albedo` under `illuminant` with its error: the divisor at a few directions against that from the orders.
     pub fn measured(albedo: &DirectionalAlbedo, illuminant: &Illuminant) -> Self {
         /// Number of directions.
         const DIRECTIONS: usize = 48;
+        /// Turn between two directions, 2π over the square of the golden ratio.
+        const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
         let mut map = Self::new(albedo, illuminant);
-        let mut random = Random::new(7);
         let mut squares = 0.0;
-        for _ in 0..DIRECTIONS {
-            let (z, turn) = (random.share().max(0.02), 2.0 * PI * random.share());
+        for number in 0..DIRECTIONS {
+            // A spiral, spread evenly over the hemisphere.
+            let z = (number as f64 + 0.5) / DIRECTIONS as f64;
+            let (sin, cos) = (GOLDEN_ANGLE * number as f64).sin_cos();
             let across = (1.0 - z * z).sqrt();
-            let direction = DVec3::new(across * turn.cos(), across * turn.sin(), z);
+            let direction = DVec3::new(across * cos, across * sin, z);
             let exact = albedo.colour(&Pair::new(direction, direction), illuminant);
             squares += (map.excess(direction).max(1.0) / exact - 1.0).powi(2);
         }

@@ -18,6 +18,7 @@ use crate::files::Files;
 use crate::input;
 use crate::optics::spectrum::SHORTEST;
 use crate::settings::{Method, Optics};
+use crate::table::TableHeader;
 use crate::units;
 use clap::Args;
 use std::ffi::{OsStr, OsString};
@@ -176,7 +177,8 @@ fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
     let reader = ExportReader::open(folder)?;
     let conformance = reader.check()?;
     let Some(path) = answers else {
-        return write::stdout(&format!("sound: {}", summary(&reader.description)));
+        let limited = limit_line(&reader.table()?.header);
+        return write::stdout(&format!("sound: {}{limited}", summary(&reader.description)));
     };
     let text = input::read_text(path, "a CSV file of answers")?;
     let errors = conformance

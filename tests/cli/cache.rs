@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Arguments of a small picture through one window, whose layers are the one file that is kept.
+/// Arguments of a small picture through one window, whose layers are the one file that is kept: Stam's theory has no limit of energy.
 fn picture(output: &'static str) -> Vec<&'static str> {
     [
         &["render", "sphere", "--size", "24x18", "--tolerance", "1e-1", "--windows", "1x1", "-o", output][..],
+        &["--theory", "stam"],
         &SMALL,
     ]
     .concat()
