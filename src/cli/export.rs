@@ -124,10 +124,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             PageSubject { source: &source, field: &field, optics: &optics, illuminant, mesh: mesh.as_ref() };
         page::write(path, &subject, &material, &description)?;
     }
-    let energy = material.table.header.energy.as_deref().and_then(EnergyMap::of_points);
-    let limited =
-        energy.and_then(|energy| energy.note()).map_or_else(String::new, |note| format!("{note}\n"));
-    write::stdout(&(summary(&description) + &limited))
+    write::stdout(&(summary(&description) + &limit_line(&material.table.header)))
+}
+
+/// Returns the line that says by how much the theory was limited; empty where little.
+fn limit_line(header: &TableHeader) -> String {
+    let energy = header.energy.as_deref().and_then(EnergyMap::of_points);
+    energy.and_then(|energy| energy.note()).map_or_else(String::new, |note| format!("{note}\n"))
 }
 
 /// Opens the first object of the scene or mesh called `name`, and checks that none of its files is one of those that are written.
