@@ -92,6 +92,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--ior", &[NO_NUMBER, &["0", "-1.5", "0.99", "11", "glass", "1,5", "1.5+0.1i"]]),
     ("--polarisation", &[&["", " ", "TE", "te,tm", "s", "0"]]),
     ("--reflectance", &[&["", " ", "Fresnel", "fresnel,schlick", "cook-torrance", "0.04"]]),
+    ("--theory", &[&["", " ", "Stam", "small_slope", "small-slope,stam", "kirchhoff", "1"]]),
     ("--shadows", &[&["", " ", "yes", "true", "1", "ON"]]),
     ("--environment", &[&["", " ", "night", "none/sky.hdr", "folder.png", "grey.png", "Sky"]]),
     ("--rotate-environment", &[NO_NUMBER, &["90", "90um", "nandeg", "infdeg"]]),

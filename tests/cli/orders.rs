@@ -123,10 +123,10 @@ fn kernel(light: DVec3, view: DVec3) -> f64 {
 #[test]
 fn by_default_orders_have_the_factor_of_the_small_slope_approximation_and_add_up_to_at_most_all_light() {
     let sandbox = Sandbox::new().without_vulkan();
-    let light = direction(30.0, 0.0);
+    let light = direction(60.0, 0.0);
     let of = |more: &[&str]| {
         let arguments =
-            ["orders", "sinusoid", "--light", "30,0", "--wavelength", "550nm", "--height", "20nm"];
+            ["orders", "sinusoid", "--light", "60,0", "--wavelength", "550nm", "--height", "20nm"];
         rows(&sandbox.run2(&arguments, more).done())
     };
     let (small_slope, stam) = (of(&[]), of(&["--theory", "stam"]));

@@ -43,7 +43,11 @@ fn the_blazes_period_comes_out_of_its_first_order_on_both_sides() {
         let (rows, line) = table(outcome);
         assert_eq!((rows.len(), rows[0][0], rows[400][0]), (401, 380.0, 780.0));
         let (worst, mean) = deviations(&rows, PERIOD);
-        assert!(worst < 1e-3 && mean < 2e-4, "{theta_i}: {worst:e}, {mean:e}");
+        // The small-slope factor falls toward the horizon and moves the maximum of an order as wide as this one, 0.004 in u, toward the normal.
+        assert!(worst < 1.2e-3 && mean < 2e-4, "{theta_i}: {worst:e}, {mean:e}");
+        let (of_stam, _) = table(peaks(&sandbox, "blaze", theta_i, angles, &["--theory", "stam"]));
+        let (worst, mean) = deviations(&of_stam, PERIOD);
+        assert!(worst < 1e-3 && mean < 2e-4, "{theta_i} by Stam's theory: {worst:e}, {mean:e}");
         assert!(line.contains("401 of 401 wavelengths"), "{line}");
         // The same judgement has to tell a period that is a thousandth off.
         assert!(deviations(&rows, PERIOD * 1.001).1 > 2e-4);
