@@ -110,7 +110,6 @@ impl<'a> PixelReference<'a> {
                 let of_sunlight = mean(sigma.unwrap_or(SUNLIGHT_LENGTH / 4.0));
                 let limit = TabulatedMean::limit_of(of_sunlight, SHORTEST, progress)?;
                 let sum = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
-                let sum = sum.limited(limit.clone().map(|limit| limit as Arc<dyn EnergyLimit>));
                 (By::Windows(sum), limit)
             }
         };
@@ -186,7 +185,10 @@ impl<'a> PixelReference<'a> {
                 let weighted = mean.cosine_weighted(pair, wavelength, &Covariance::default());
                 without_cosine(pair, DVec3::splat(weighted)).x
             }
-            By::Windows(reference) => reference.brdf(pair, wavelength),
+            By::Windows(reference) => {
+                let limit = self.limit.as_ref().map_or(1.0, |limit| limit.single(pair, wavelength));
+                reference.brdf(pair, wavelength) / limit
+            }
             By::Nothing => 0.0,
         };
         wavelengths.iter().map(at).collect()
@@ -204,7 +206,10 @@ impl<'a> PixelReference<'a> {
                 let asked = [(*pair, Covariance::default())];
                 mean.xyz(illuminant, &asked, SummedOrders::All, &|_, _| Ok(()))?[0]
             }
-            By::Windows(reference) => reference.cosine_weighted_xyz(pair, illuminant)?,
+            By::Windows(reference) => {
+                let limit = self.limit.as_ref().map_or(1.0, |limit| limit.colour(pair, illuminant));
+                reference.cosine_weighted_xyz(pair, illuminant)? / limit
+            }
             By::Nothing => DVec3::ZERO,
         };
         Ok(without_cosine(pair, weighted))

@@ -11,7 +11,9 @@ use diffract::filter::{Covariance, FootprintSizes};
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::{Tone, xyz_to_linear_srgb};
 use diffract::optics::geometry::{Pair, direction};
+use diffract::optics::reflectance::Reflectance;
 use diffract::optics::spectrum::{Illuminant, SHORTEST};
+use diffract::optics::theory::Theory;
 use diffract::render::directions::Directions;
 use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
@@ -48,7 +50,8 @@ fn optics(length: f64, reflectance: f64) -> Optics {
         coherence: Coherence::Gaussian { length },
         windows: Windows::All,
         tolerance: 2e-2,
-        reflectance: reflectance.into(),
+        // Perfect mirrors of steep profiles send most light along the surface by the small-slope approximation, where wide footprints average badly.
+        reflectance: Reflectance::from(reflectance).by(Theory::Stam),
         ..Optics::default()
     }
     .for_pictures()
