@@ -206,7 +206,7 @@ impl Reflectance {
     }
 
     /// Returns f·cos θ_i for a power `|P|²` \[µm⁴\] seen through a window of effective area `area` = ∬ g² \[µm²\] at `wavelength` \[µm\], without a limit of
-    /// energy: k² F/(4π² A w²) · |P|², with F as in [`Self::factor`]. It is 0 below the horizon.
+    /// energy: k² F/(4π² A w²) · |P|², with F as in [`Factor::factor`]. It is 0 below the horizon.
     pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, area: f64, power: f64) -> f64 {
         match self.theory() {
             Theory::Stam => {

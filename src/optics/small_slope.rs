@@ -4,8 +4,10 @@
 //! R G becomes 4 cos θ_i cos θ_r |B|². With q = √(n² − sin² θ), e = n² − 1, c = cos θ and the azimuth φ between the wave vectors in the plane,
 //! which is 0 in the mirror direction, the amplitudes from one polarisation (second letter) into another (first letter) are
 //!
-//!     ss  e cos φ / ((c_i + q_i)(c_r + q_r))                            sp  e q_i sin φ / ((c_r + q_r)(n² c_i + q_i))
-//!     pp  e (q_r q_i cos φ − n² sin θ_r sin θ_i) / ((n² c_r + q_r)(n² c_i + q_i))    ps  e q_r sin φ / ((n² c_r + q_r)(c_i + q_i))
+//! ```text
+//! ss  e cos φ / ((c_i + q_i)(c_r + q_r))                            sp  e q_i sin φ / ((c_r + q_r)(n² c_i + q_i))
+//! pp  e (q_r q_i cos φ − n² sin θ_r sin θ_i) / ((n² c_r + q_r)(n² c_i + q_i))    ps  e q_r sin φ / ((n² c_r + q_r)(c_i + q_i))
+//! ```
 //!
 //! In the mirror direction |ss|² and |pp|² are Fresnel's reflectances. The twin on the device is `shaders/small_slope.glsl`.
 
