@@ -75,7 +75,10 @@ impl DirectionalAlbedo {
             .into_par_iter()
             .map(|(key, direction)| (key, self.excess(direction, wavelength)))
             .collect();
-        let of = |direction| excess.get(&key(direction)).copied().unwrap_or_default();
+        // Each direction is in the map.
+        let of = |direction| {
+            excess.get(&key(direction)).copied().unwrap_or_else(|| self.excess(direction, wavelength))
+        };
         pairs.iter().map(|pair| of(pair.light).max(of(pair.view)).max(1.0)).collect()
     }
 
@@ -171,9 +174,7 @@ impl DirectionalAlbedo {
     pub fn table(&self) -> &ExcessTable {
         self.table.get_or_init(|| ExcessTable::new(self.coarse.as_deref().unwrap_or(self)))
     }
-}
 
-impl DirectionalAlbedo {
     /// Returns E/R for light from `direction` at `wavelength` \[µm\].
     pub fn excess(&self, direction: DVec3, wavelength: f64) -> f64 {
         if direction.z <= 0.0 {

@@ -71,14 +71,6 @@ impl EnergyMap {
         map
     }
 
-    /// Returns the map of a surface that sends nothing anywhere.
-    pub fn dark() -> Self {
-        Self {
-            points: vec![[0.0, 1.0]; DirectionGrid::COUNT],
-            header: EnergyMapHeader { largest: 0.0, error: 0.0 },
-        }
-    }
-
     /// Returns E/R of colours for a direction above the horizon.
     pub fn excess(&self, direction: DVec3) -> f64 {
         excess(&self.points, direction)
@@ -151,7 +143,7 @@ pub fn excess_note(largest: f64) -> Option<String> {
     })
 }
 
-/// Returns the largest ratio of the directions up to 85° from the normal; nearer to the horizon the ratio changes fast and concerns no light.
+/// Returns the largest ratio of the directions up to 85° from the normal; nearer to the horizon the ratio changes fast and there is little light.
 fn largest_below_85_degrees(ratio: impl Fn(usize) -> f64) -> f64 {
     let least = 85f64.to_radians().cos();
     let seen = (0..DirectionGrid::COUNT).filter(|point| DirectionGrid::direction(*point).z > least);

@@ -82,7 +82,7 @@ fn numbers(header: &TableHeader) -> String {
     let (rows, law) =
         ((4 * bands - 1) / 3 + 1, if header.indices.is_some() { SMALL_SLOPE_INDICES } else { SPECTRAL });
     let polarisation = header.indices.map_or(Polarisation::None, |indices| indices.polarisation);
-    let polarisation = Polarisation::ALL.iter().position(|known| *known == polarisation).unwrap_or_default();
+    let polarisation = polarisation.number();
     format!(
         "
 const Table source = Table({values});

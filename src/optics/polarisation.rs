@@ -3,9 +3,9 @@
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// Direction of the electric field of the light, against the plane through the directions to the light and the viewer.
+/// Direction of the electric field of the light that comes in, against its plane of incidence; by Stam's theory against the plane through the directions to the light and the viewer.
 ///
-/// Only the reflectance depends on it: Fresnel's equations at the half vector have one for each direction, and unpolarised light has their mean. A lamp or a
+/// Only the factor depends on it. By Stam's theory: Fresnel's equations at the half vector have one for each direction, and unpolarised light has their mean. A lamp or a
 /// camera behind a polariser that is turned along or across the grooves of a grating, with light across them, sees one of both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -29,6 +29,15 @@ impl Polarisation {
             Self::None => "none",
             Self::Te => "te",
             Self::Tm => "tm",
+        }
+    }
+
+    /// Returns the number in shaders, the place in [`Self::ALL`].
+    pub fn number(self) -> u32 {
+        match self {
+            Self::None => 0,
+            Self::Te => 1,
+            Self::Tm => 2,
         }
     }
 

@@ -8,7 +8,7 @@ use crate::brdf::tabulated::TabulatedMean;
 use crate::cache::{Kept, Key};
 use crate::error::{Error, Result};
 use crate::optics::coherence::SUNLIGHT_LENGTH;
-use crate::spectra::power::{OrderSeries, PowerSettings};
+use crate::spectra::power::OrderSeries;
 use crate::surface::HeightField;
 use std::sync::Arc;
 
@@ -55,11 +55,8 @@ pub fn colour_limit(
         return Ok((None, None));
     }
     let sigma = optics.coherence.sigma().unwrap_or(SUNLIGHT_LENGTH / 4.0);
-    let powers = match settings.power_settings() {
-        Ok(powers) => powers,
-        // A finite grating has no mean over windows, and the same orders.
-        Err(_) => PowerSettings::new(sigma, optics.beyond, optics.tolerance),
-    };
+    // Those of the colour table, which then shares the series. A finite grating has the same orders as sunlight, whose blur the albedo leaves out.
+    let powers = settings.power_settings_of(sigma);
     if OrderSeries::estimate(field, &powers).is_none() {
         return Ok((None, Some(too_high())));
     }

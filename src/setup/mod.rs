@@ -346,12 +346,17 @@ impl SourceSettings {
 
     /// Returns the settings of the series of orders for a colour table.
     fn power_settings(&self) -> Result<PowerSettings> {
-        Ok(PowerSettings {
-            sigma: self.power_sigma()?,
+        Ok(self.power_settings_of(self.power_sigma()?))
+    }
+
+    /// Returns the settings of a series of orders for a coherence window of standard deviation `sigma` \[µm\].
+    fn power_settings_of(&self, sigma: f64) -> PowerSettings {
+        PowerSettings {
+            sigma,
             beyond: self.optics.beyond,
             shortest: self.shortest,
             error: self.budget().mean.series,
-        })
+        }
     }
 
     /// Returns the settings of the colour table.

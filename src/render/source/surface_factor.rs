@@ -98,14 +98,9 @@ impl SurfaceFactor {
         const FACTOR_LAW: u32 = 31;
         const POLARISATION: u32 = 32;
         const LIMITED: u32 = 33;
-        let polarisation = match self.polarisation {
-            Polarisation::None => 0u32,
-            Polarisation::Te => 1,
-            Polarisation::Tm => 2,
-        };
         [
             Constant::new(FACTOR_LAW, self.law as u32),
-            Constant::new(POLARISATION, polarisation),
+            Constant::new(POLARISATION, self.polarisation.number()),
             Constant::new(LIMITED, self.energy.is_some()),
         ]
     }
