@@ -137,7 +137,7 @@ impl DirectionalAlbedo {
             return 0.0;
         }
         let k = TAU / wavelength;
-        let factor = self.reflectance.at_wavelength(wavelength).of_light(light);
+        let factor = self.reflectance.factor(light, wavelength);
         let (w, mirror) = (2.0 * light.z, DVec3::new(-light.x, -light.y, light.z));
         let specular = weight(mirror) * factor.toward(mirror) / (light.z * w * w)
             * self.series(&self.specular, k * w).max(0.0);

@@ -33,7 +33,7 @@ impl MeanBrdf<'_> {
     /// Returns the orders of copies of the patch that light from `light` = ω_i at `wavelength` \[µm\] sends above the horizon, by n and then by
     /// m. Those that the samples do not resolve are left out; there are none for light below the horizon.
     ///
-    /// Each takes F/(w² cos θ_i) · |c_m(k|w|)|² of the light, with the [`Factor`](crate::optics::reflectance::Factor) F, which is R G cos θ_i by B.13 \[Single 2014\]: ⟨|P|²⟩/A of
+    /// Each takes F/(w² cos θ_i) · |c_m(k|w|)|² of the light, with the [`Factor`](crate::optics::factor::Factor) F, which is R G cos θ_i by B.13 \[Single 2014\]: ⟨|P|²⟩/A of
     /// [`crate::spectra::power`] holds the power |c_m|² around the order, and du dv = cos θ_r dω_r. Few orders are summed directly, many are read from their series in z. The limit of
     /// energy of the theory, if it has one, is applied to each.
     ///
@@ -96,7 +96,7 @@ impl MeanBrdf<'_> {
         // ∫ du dv over the density of an order in f = (u, v)/λ is λ².
         let in_order = power * wavelength.powi(2);
         let weighted = self.reflectance.cosine_weighted(pair, wavelength, 1.0, in_order);
-        let factor = self.reflectance.at_wavelength(wavelength).factor(pair);
+        let factor = self.reflectance.factor(pair.light, wavelength).toward(pair.view);
         let frequency = frequency(self.field, numbers).length();
         DiffractionOrder {
             numbers,

@@ -3,8 +3,8 @@
 //! Both are put together from the shaders of this program, `shaders/table.glsl` and what it needs, with the numbers of the table as constants. Every name that they declare
 //! begins with `diffract`.
 
+use crate::optics::factor::IndexTriple;
 use crate::optics::polarisation::Polarisation;
-use crate::optics::reflectance::IndexTriple;
 use crate::table::TableHeader;
 use std::collections::BTreeSet;
 

@@ -8,6 +8,7 @@ pub mod color;
 pub mod color_difference;
 pub mod colour_excess;
 pub mod energy;
+pub mod factor;
 pub mod geometry;
 pub mod grating;
 pub mod material;

@@ -4,16 +4,13 @@
 //! (Born & Wolf, *Principles of Optics*, 1.5 and 14.2). A thin film is the sum of its reflections (Airy's formula; 1.6 there). The thesis takes
 //! Schlick's approximation for one refractive index, which at 60° is a fifth below Fresnel's equations.
 
-use super::brdf::{cosine_weighted, per_factor, schlick, schlick_from};
-use super::geometry::Pair;
+use super::brdf::{schlick, schlick_from};
 use super::material::Material;
 use super::polarisation::Polarisation;
-use super::small_slope;
 use super::spectrum::{LONGEST, MIDDLE, SHORTEST, observer};
 use super::theory::Theory;
 use crate::error::{Error, Result};
 use crate::units;
-use glam::DVec3;
 use rustfft::num_complex::Complex64;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -183,7 +180,7 @@ impl Reflectance {
     }
 
     /// Returns the theory of the factor: Stam's for Schlick's approximation and for films, whose two interfaces the small-slope approximation in
-    /// [`small_slope`] does not have.
+    /// [`super::small_slope`] does not have.
     pub fn theory(&self) -> Theory {
         match self {
             Self::Fresnel { film: None, theory, .. } => *theory,
@@ -203,29 +200,6 @@ impl Reflectance {
     /// approximation.
     pub fn is_limited(&self) -> bool {
         matches!(self, Self::Fresnel { theory: Theory::SmallSlope, .. })
-    }
-
-    /// Returns f·cos θ_i for a power `|P|²` \[µm⁴\] seen through a window of effective area `area` = ∬ g² \[µm²\] at `wavelength` \[µm\], without a limit of
-    /// energy: k² F/(4π² A w²) · |P|², with F as in [`Factor::factor`]. It is 0 below the horizon.
-    pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, area: f64, power: f64) -> f64 {
-        match self.theory() {
-            Theory::Stam => {
-                self.at(wavelength, pair.cos_half_angle()) * cosine_weighted(pair, wavelength, area, power)
-            }
-            Theory::SmallSlope => {
-                self.at_wavelength(wavelength).factor(pair) * per_factor(pair, wavelength, area, power)
-            }
-        }
-    }
-
-    /// Returns the factor at one wavelength.
-    pub fn at_wavelength(&self, wavelength: f64) -> Factor<'_> {
-        match self {
-            Self::Fresnel { material, film: None, polarisation, theory: Theory::SmallSlope } => {
-                Factor::SmallSlope { index: material.index(wavelength), polarisation: *polarisation }
-            }
-            _ => Factor::Stam { reflectance: self, wavelength },
-        }
     }
 
     /// Returns the polarisation of the light.
@@ -370,111 +344,6 @@ impl Reflectance {
                 (0..COLUMNS).map(move |column| self.at(wavelength, step(column, COLUMNS)) as f32)
             })
             .collect()
-    }
-}
-
-/// Refractive indices n + ik that stand for X, Y and Z in the factor of a colour, whose sums over wavelengths contain the ratio of |B|² to that of the index.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct IndexTriple {
-    /// n for X, Y and Z.
-    pub n: [f64; 3],
-    /// k for X, Y and Z.
-    pub k: [f64; 3],
-    /// Polarisation of the light.
-    pub polarisation: Polarisation,
-}
-
-impl IndexTriple {
-    /// Returns the indices of `reflectance` at the wavelengths around which X, Y and Z have most of their light.
-    pub fn of(reflectance: &Reflectance) -> Self {
-        /// Centroids of the larger lobe of x̄, of ȳ and of z̄ in daylight \[µm\].
-        const CENTRES: [f64; 3] = [0.595, 0.557, 0.449];
-        let indices = CENTRES.map(|wavelength| reflectance.index_at(wavelength));
-        Self { n: indices.map(|n| n.re), k: indices.map(|n| n.im), polarisation: reflectance.polarisation() }
-    }
-
-    /// Returns n + ik for X, Y and Z.
-    pub fn complex(&self) -> [Complex64; 3] {
-        [0, 1, 2].map(|i| Complex64::new(self.n[i], self.k[i]))
-    }
-
-    /// Returns |B|² of `pair` for X, Y and Z.
-    pub fn intensity(&self, pair: &Pair) -> [f64; 3] {
-        self.complex().map(|index| small_slope::intensity(index, pair, self.polarisation))
-    }
-
-    /// Returns true if the numbers can be those of a material.
-    pub fn is_sound(&self) -> bool {
-        self.n.iter().all(|n| n.is_finite() && *n > 0.0) && self.k.iter().all(|k| k.is_finite() && *k >= 0.0)
-    }
-}
-
-/// Factor F for light from one direction at one wavelength.
-pub enum IncidentFactor<'a> {
-    /// Stam's.
-    Stam(Factor<'a>, DVec3),
-    /// That of the small-slope approximation.
-    SmallSlope(small_slope::Incidence, DVec3),
-}
-
-impl IncidentFactor<'_> {
-    /// Returns F toward `view`; 0 below the horizon.
-    pub fn toward(&self, view: DVec3) -> f64 {
-        match self {
-            Self::Stam(factor, light) => factor.factor(&Pair::new(*light, view)),
-            Self::SmallSlope(_, light) if light.z <= 0.0 || view.z <= 0.0 => 0.0,
-            Self::SmallSlope(incidence, light) => {
-                4.0 * light.z * light.z * view.z * incidence.intensity(view)
-            }
-        }
-    }
-}
-
-/// Factor F of f cos θ_i = k² F/(4π² A w²) · |P|² at one wavelength.
-#[derive(Clone, Copy, Debug)]
-pub enum Factor<'a> {
-    /// R G cos θ_i (\[Single 2014\] B.12).
-    Stam {
-        /// Reflectance R.
-        reflectance: &'a Reflectance,
-        /// Wavelength \[µm\].
-        wavelength: f64,
-    },
-    /// 4 cos² θ_i cos θ_r |B|² ([`small_slope`]).
-    SmallSlope {
-        /// Refractive index n + ik.
-        index: Complex64,
-        /// Polarisation of the light.
-        polarisation: Polarisation,
-    },
-}
-
-impl<'a> Factor<'a> {
-    /// Returns F for light from the direction `light`.
-    pub fn of_light(self, light: DVec3) -> IncidentFactor<'a> {
-        match self {
-            Self::Stam { .. } => IncidentFactor::Stam(self, light),
-            Self::SmallSlope { index, polarisation } => {
-                IncidentFactor::SmallSlope(small_slope::Incidence::new(index, light, polarisation), light)
-            }
-        }
-    }
-
-    /// Returns F of `pair`; 0 below the horizon.
-    pub fn factor(&self, pair: &Pair) -> f64 {
-        if !pair.above_horizon() {
-            return 0.0;
-        }
-        match self {
-            Self::Stam { reflectance, wavelength } => {
-                reflectance.at(*wavelength, pair.cos_half_angle()) * pair.geometric_factor_times_cos_light()
-            }
-            Self::SmallSlope { index, polarisation } => {
-                let cosines = 4.0 * pair.light.z * pair.light.z * pair.view.z;
-                cosines * small_slope::intensity(*index, pair, *polarisation)
-            }
-        }
     }
 }
 

@@ -55,6 +55,14 @@ impl Incidence {
         Self { squared, light, end: End::new(squared, light.z), polarisation }
     }
 
+    /// Returns 4 cos² θ_i cos θ_r |B|² toward the direction `view`; 0 below the horizon.
+    pub fn factor(&self, view: DVec3) -> f64 {
+        if self.light.z <= 0.0 || view.z <= 0.0 {
+            return 0.0;
+        }
+        4.0 * self.light.z * self.light.z * view.z * self.intensity(view)
+    }
+
     /// Returns |B|² toward the direction `view`, as [`intensity`].
     pub fn intensity(&self, view: DVec3) -> f64 {
         /// Product of sines below which a direction is the normal: the azimuth is rounding there, and the sum over polarisations does not depend on it.

@@ -5,7 +5,8 @@ use super::grid::MOST_LEVELS;
 use super::{BANDS, ColorBasis, ColorTable, FORMER_BANDS, SPECULAR_SAMPLES, TableHeader};
 use crate::brdf::energy_map::EnergyMap;
 use crate::cache::{EntryFormat, Kept, Payload, count, positive};
-use crate::optics::reflectance::{IndexTriple, MeanReflectance};
+use crate::optics::factor::IndexTriple;
+use crate::optics::reflectance::MeanReflectance;
 
 /// Limit of all sides, larger than any side of a texture.
 const LARGEST_SIDE: usize = 1 << 16;

@@ -5,7 +5,8 @@
 //! (`colours_of_metals_keep_the_tolerance`).
 
 use super::LARGEST_W;
-use crate::optics::reflectance::{IndexTriple, Reflectance};
+use crate::optics::factor::IndexTriple;
+use crate::optics::reflectance::Reflectance;
 use crate::optics::small_slope::mean_intensity;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::theory::Theory;

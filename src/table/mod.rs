@@ -28,7 +28,8 @@ pub use read::TableReader;
 pub use specular::{BANDS, FORMER_BANDS, SPECULAR_SAMPLES, Specular};
 
 use crate::budget::{ErrorBudget, MeanBudget};
-use crate::optics::reflectance::{IndexTriple, MeanReflectance, Reflectance};
+use crate::optics::factor::IndexTriple;
+use crate::optics::reflectance::{MeanReflectance, Reflectance};
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::EVEN;
 use crate::surface::MAX_SIDE;

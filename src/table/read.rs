@@ -66,7 +66,7 @@ impl<'a> TableReader<'a> {
         }
         let factor = match &header.mean_reflectance {
             Some(mean) => mean.at(pair.cos_half_angle()) * pair.geometric_factor_times_cos_light(),
-            None => reflectance.at_wavelength(MIDDLE).factor(pair),
+            None => reflectance.factor(pair.light, MIDDLE).toward(pair.view),
         };
         DVec3::splat(factor)
     }

@@ -4,8 +4,9 @@
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
 use crate::optics::energy::DirectionGrid;
+use crate::optics::factor::IndexTriple;
 use crate::optics::polarisation::Polarisation;
-use crate::optics::reflectance::{COLUMNS, IndexTriple, ROWS, Reflectance};
+use crate::optics::reflectance::{COLUMNS, ROWS, Reflectance};
 use crate::optics::theory::Theory;
 use crate::render::upload;
 use crate::vk::device::Device;
