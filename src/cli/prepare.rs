@@ -5,6 +5,7 @@ use super::verbosity::detail;
 use super::verbosity::quiet;
 use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
+use crate::brdf::energy_map::EnergyMapHeader;
 use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
 use crate::render::source::Source;
@@ -79,8 +80,11 @@ pub fn source(
     if let Some(note) = made.note {
         say(&in_options(&note));
     }
-    if let Some(note) = made.source.energy().and_then(|energy| energy.note()) {
-        detail(&note);
+    if let Some(energy) = made.source.energy() {
+        let EnergyMapHeader { largest, error } = energy.header();
+        detail(&format_args!(
+            "limit of energy: albedo up to {largest:.3} of a flat surface's; between its directions the map errs by {error:.1e}"
+        ));
     }
     Ok(made.source)
 }

@@ -14,19 +14,22 @@ use crate::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;
 
+/// Maker of the limit of energy of single wavelengths; `None` where the theory has none.
+pub type MakeLimit<'a> = dyn Fn() -> Result<Option<Arc<DirectionalAlbedo>>> + 'a;
+
 /// Evaluates a source on the device.
 ///
 /// For a grating the device evaluates the response of one period, which is smooth. The periodic factor is multiplied
 /// here in f64, which resolves orders of any sharpness.
-pub struct DeviceBrdf {
+pub struct DeviceBrdf<'a> {
     evaluator: Evaluator,
     grating: Option<PeriodicFactor>,
-    limit: Option<Arc<DirectionalAlbedo>>,
+    limit: Option<&'a MakeLimit<'a>>,
     // Limit of the colours of a grating, which are sums over single wavelengths.
     energy: Option<Arc<EnergyMap>>,
 }
 
-impl DeviceBrdf {
+impl<'a> DeviceBrdf<'a> {
     /// Uploads `source` for `optics`.
     ///
     /// # Errors
@@ -48,9 +51,9 @@ impl DeviceBrdf {
         })
     }
 
-    /// Returns the same BRDF with single wavelengths within a limit of energy; colours have that of the source.
-    pub fn limited(self, limit: Option<Arc<DirectionalAlbedo>>) -> Self {
-        Self { limit, ..self }
+    /// Returns the same BRDF with single wavelengths within the limit of energy that `limit` makes once it is needed; colours have that of the source.
+    pub fn limited(self, limit: &'a MakeLimit<'a>) -> Self {
+        Self { limit: Some(limit), ..self }
     }
 
     fn ask(&mut self, pairs: &[Pair], wavelength: Option<f64>) -> Result<Vec<DVec3>> {
@@ -71,10 +74,10 @@ impl DeviceBrdf {
     }
 }
 
-impl Brdf for DeviceBrdf {
+impl Brdf for DeviceBrdf<'_> {
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
         let values = self.ask(pairs, Some(wavelength))?.into_iter().map(|f| f.x);
-        Ok(match &self.limit {
+        Ok(match self.limit.map_or(Ok(None), |make| make())? {
             Some(limit) => values.zip(limit.limits(pairs, wavelength)).map(|(f, limit)| f / limit).collect(),
             None => values.collect(),
         })

@@ -11,6 +11,7 @@ use crate::render::device_brdf::DeviceBrdf;
 use crate::settings::{Method, Optics};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// Maximum number of windows whose spectra the cache on disk keeps: more would fill it.
@@ -55,11 +56,17 @@ pub fn for_each_window(
         _ => {}
     }
     let device = device()?;
-    // Colour tables have no single wavelengths.
-    let limit = match optics.method {
-        Method::Table => None,
-        _ => single_limit(field, settings, progress)?.0,
+    // All windows share a limit, which colours do not need.
+    let made_limit = OnceCell::new();
+    let limit = || {
+        if let Some(limit) = made_limit.get() {
+            return Ok(Option::clone(limit));
+        }
+        let (limit, _) = single_limit(field, settings, progress)?;
+        Ok(made_limit.get_or_init(|| limit).clone())
     };
+    let mut in_use = InUse::default();
+    let mut energy = None;
     // Colour tables contain the average.
     let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
     let one = match optics.windows {
@@ -71,11 +78,13 @@ pub fn for_each_window(
         let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
         let cached = n * m <= CACHED_WINDOWS;
         let settings = SourceSettings { optics: one.clone(), shift, cached, ..settings.clone() };
-        let made = source(field, &settings, device.candidate(), &mut InUse::default(), progress)?;
+        let made = source(field, &settings, device.candidate(), &mut in_use, progress)?;
         if let Some(error) = &made.note {
             note(error);
         }
-        let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?.limited(limit.clone());
+        let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?.limited(&limit);
+        // Kept for the next window.
+        energy = made.source.energy().cloned().or(energy);
         drop(made);
         ask(&mut brdf, 1.0 / (f64::from(n) * f64::from(m)))?;
     }

@@ -58,7 +58,9 @@ fn no_surface_reflects_more_of_a_white_sky_than_a_flat_one() {
         for reflectance in materials(kind) {
             let albedo = |r: &Reflectance| DirectionalAlbedo::new(&series, r, Decimation::Coarse);
             let [small, stam] = [albedo(&reflectance), albedo(&reflectance.clone().by(Theory::Stam))];
-            let map = EnergyMap::new(&small, &Illuminant::D65);
+            let map = EnergyMap::measured(&small, &Illuminant::D65);
+            // Kinks where orders appear are narrower than the steps of the map.
+            assert!(map.header().error < 1e-2, "{}: {}", kind.name(), map.header().error);
             let mut row = String::new();
             for (theta, phi) in ANGLES.into_iter().flat_map(|theta| [(theta, 10.0), (theta, 115.0)]) {
                 let view = direction(theta, phi);
@@ -78,7 +80,7 @@ fn no_surface_reflects_more_of_a_white_sky_than_a_flat_one() {
                     row += &format!(" {a:.3} → {b:.3} → {c:.3} |");
                 }
             }
-            eprintln!("| {} | {reflectance} |{row}", kind.name());
+            eprintln!("| {} | {reflectance} |{row} map {:.1e}", kind.name(), map.header().error);
         }
     }
     assert!(limited > 5, "no surface was limited, so that the test shows nothing");

@@ -3,7 +3,6 @@
 use super::part::Iterations;
 use super::surface_factor::{BINDINGS, FIRST, SurfaceFactor};
 use crate::error::Result;
-use crate::optics::reflectance::Reflectance;
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -47,14 +46,14 @@ pub struct BoundSource {
 pub(super) use vk::DescriptorType as Kind;
 
 impl BoundSource {
-    /// Makes a source with the bindings of `factor` and then those of these `kinds`, of a surface with this `reflectance`.
+    /// Makes a source with the bindings of `factor` and then those of these `kinds`.
     pub(super) fn new(
         device: &Arc<Device>,
         name: &str,
         kinds: &[Kind],
         stages: Stages,
         mut constants: Vec<Constant>,
-        (reflectance, factor): (&Reflectance, &SurfaceFactor),
+        factor: &SurfaceFactor,
     ) -> Result<Self> {
         let visible = vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE;
         let numbered = BINDINGS.into_iter().chain((FIRST..).zip(kinds.iter().copied()));
@@ -66,7 +65,7 @@ impl BoundSource {
             specular_spread: None,
             spectral: true,
             iterations: Iterations::default(),
-            normal_of_pigment: reflectance.is_spectral().then(|| reflectance.normal_of_pigment() as f32),
+            normal_of_pigment: factor.normal_of_pigment(),
             stages,
             constants,
             data: Vec::new(),
@@ -74,11 +73,6 @@ impl BoundSource {
             buffers: Vec::new(),
             samplers: Vec::new(),
         })
-    }
-
-    /// States that the source holds R by `reflectance`, whichever the law.
-    pub(super) fn holds(&mut self, reflectance: &Reflectance) {
-        self.normal_of_pigment = Some(reflectance.normal_of_pigment() as f32);
     }
 
     /// Points binding `number` at an image of the data, which lives as long as the source.

@@ -35,8 +35,8 @@ impl ClassicalGrating {
         let stages = stages!("classical_grating");
         let kinds = [Kind::UNIFORM_BUFFER];
         let factor = SurfaceFactor::without_spectrum(&optics.reflectance);
-        let of = (&optics.reflectance, &factor);
-        let mut bound = BoundSource::new(device, "classical grating set", &kinds, stages, Vec::new(), of)?;
+        let mut bound =
+            BoundSource::new(device, "classical grating set", &kinds, stages, Vec::new(), &factor)?;
         bound.spectral = false;
         self.set(device, &mut bound, optics)?;
         Ok(bound)

@@ -67,8 +67,8 @@ impl Grating {
         let kinds = [spectra::KINDS.as_slice(), &[Kind::UNIFORM_BUFFER]].concat();
         let constants = spectra::constants(&self.layers);
         let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
-        let of = (&optics.reflectance, &factor);
-        let mut bound = BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants, of)?;
+        let mut bound =
+            BoundSource::new(device, "grating set", &kinds, stages!("grating"), constants, &factor)?;
         // The periodic factor of single wavelengths is multiplied in f64.
         bound.spectral = false;
         spectra::upload(device, &mut bound, &self.layers)?;

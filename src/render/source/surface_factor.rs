@@ -94,6 +94,14 @@ impl SurfaceFactor {
         }
     }
 
+    /// Returns the reflectance at normal incidence by which the pigment is attenuated, if the sums over wavelengths contain R or the ratio to it.
+    pub fn normal_of_pigment(&self) -> Option<f32> {
+        let is_held = matches!(self.law, Law::Spectral | Law::SmallSlopeIndices | Law::SmallSlopeSpectral);
+        // A baseline applies no spectral law, and its pigment is below the material all the same.
+        let is_held = is_held || self.reflectance.is_spectral();
+        is_held.then(|| self.reflectance.normal_of_pigment() as f32)
+    }
+
     /// Returns the specialisation constants.
     pub fn constants(&self) -> [Constant; 3] {
         const FACTOR_LAW: u32 = 31;

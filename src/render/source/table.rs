@@ -77,12 +77,7 @@ impl Table {
         let bands = self.table.header.specular.variances.len() as u32;
         let constants = vec![Constant::new(TEXELS, basis.texels() as u32), Constant::new(BANDS, bands)];
         let factor = self.factor(optics);
-        let of = (&optics.reflectance, &factor);
-        let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, of)?;
-        // Tables of exports hold R by every law.
-        if self.table.header.mean_reflectance.is_some() || self.table.header.indices.is_some() {
-            bound.holds(&optics.reflectance);
-        }
+        let mut bound = BoundSource::new(device, "table set", &KINDS, stages!("table"), constants, &factor)?;
         bound.spectral = false;
         let header = &self.table.header;
         bound.specular_spread = optics.specular_spread().map(|spread| spread as f32);

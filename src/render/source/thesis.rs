@@ -58,8 +58,8 @@ impl Thesis {
         let layers = &self.layers;
         let constants = vec![Constant::new(PAIRS, layers.pairs() as u32)];
         let factor = SurfaceFactor::of_sums(&optics.reflectance, None);
-        let of = (&optics.reflectance, &factor);
-        let mut bound = BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants, of)?;
+        let mut bound =
+            BoundSource::new(device, "thesis set", &KINDS, stages!("thesis"), constants, &factor)?;
         let (count, texels) = (Some(layers.pairs() as u32), &layers.texels);
         let image =
             upload::texture(device, "Fourier series", format(texels), layers.size, count, texels.bytes())?;

@@ -34,8 +34,8 @@ impl Window {
         let kinds = [spectra::KINDS.as_slice(), &[Kind::STORAGE_BUFFER]].concat();
         let constants = spectra::constants(layers);
         let factor = SurfaceFactor::of_sums(&optics.reflectance, self.energy.as_ref());
-        let of = (&optics.reflectance, &factor);
-        let mut bound = BoundSource::new(device, "window set", &kinds, stages!("window"), constants, of)?;
+        let mut bound =
+            BoundSource::new(device, "window set", &kinds, stages!("window"), constants, &factor)?;
         spectra::upload(device, &mut bound, layers)?;
         self.set(device, &mut bound, optics)?;
         Ok(bound)
