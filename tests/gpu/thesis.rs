@@ -5,7 +5,9 @@ use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::measure::channel;
 use diffract::optics::coherence::{Coherence, Windows};
+use diffract::optics::reflectance::Reflectance;
 use diffract::optics::spectrum::SHORTEST;
+use diffract::optics::theory::Theory;
 use diffract::render::frame::View;
 use diffract::render::reference_picture::reference_picture;
 use diffract::render::source::{Source, Thesis};
@@ -28,7 +30,9 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
             let (low, high) = field.range();
             let error = |length: f64| {
                 let coherence = Coherence::Gaussian { length };
-                let optics = Optics { coherence, windows: Windows::ONE, ..Optics::default() }.for_pictures();
+                let reflectance = Reflectance::default().by(Theory::Stam);
+                let optics = Optics { coherence, windows: Windows::ONE, reflectance, ..Optics::default() };
+                let optics = optics.for_pictures();
                 let layers = Arc::new(thesis::layers(&field, length / 4.0, SHORTEST).unwrap());
                 let source = Source::Thesis(Thesis { layers, half_range: (high - low) / 2.0 });
                 let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
