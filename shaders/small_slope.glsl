@@ -1,5 +1,5 @@
-// Small-slope approximation of first order [Voronovich 1994]: Rice's kernel B, whose square stands in the factor of a pair. The f64 twin is
-// src/optics/small_slope.rs, which has the formulas.
+// Small-slope approximation of first order [Voronovich 1994]: Rice's kernel B, whose square stands in the factor of a
+// pair. The f64 twin is src/optics/small_slope.rs, which has the formulas.
 //
 // The includer defines POLARISATION: 0 for unpolarised light, 1 for TE, 2 for TM.
 

@@ -37,14 +37,16 @@ impl std::fmt::Debug for DirectionalAlbedo {
 /// Groups of neighbouring orders that are summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decimation {
-    /// Groups 0.06 wide in u for the shortest wavelength: some thousand in all, for maps over directions. Surfaces of few orders keep each.
+    /// Groups 0.06 wide in u for the shortest wavelength: some thousand in all, for maps over directions. Surfaces of
+    /// few orders keep each.
     Coarse,
     /// Groups 0.015 wide, for single directions. Patches of up to 25 µm keep each order.
     Fine,
 }
 
 impl Decimation {
-    /// Returns the number of groups along each axis of the square of all visible frequencies, −2/λ to 2/λ of the shortest wavelength λ.
+    /// Returns the number of groups along each axis of the square of all visible frequencies, −2/λ to 2/λ of the
+    /// shortest wavelength λ.
     fn groups(self) -> f64 {
         match self {
             Self::Coarse => 64.0,
@@ -118,7 +120,8 @@ impl DirectionalAlbedo {
         }
     }
 
-    /// Returns the largest reflectance that a surface may have for light from `direction` at `wavelength` \[µm\]: that of a flat one, or 1 below a film, whose own reflectance may vanish.
+    /// Returns the largest reflectance that a surface may have for light from `direction` at `wavelength` \[µm\]: that
+    /// of a flat one, or 1 below a film, whose own reflectance may vanish.
     pub fn allowed(&self, direction: DVec3, wavelength: f64) -> f64 {
         match &self.reflectance {
             Reflectance::Fresnel { film: Some(_), .. } => 1.0,
@@ -126,12 +129,14 @@ impl DirectionalAlbedo {
         }
     }
 
-    /// Returns E, the share of the light from `light` at `wavelength` \[µm\] that is sent into all directions, unpolarised and without a limit.
+    /// Returns E, the share of the light from `light` at `wavelength` \[µm\] that is sent into all directions,
+    /// unpolarised and without a limit.
     pub fn at(&self, light: DVec3, wavelength: f64) -> f64 {
         self.sent(light, wavelength, |_| 1.0)
     }
 
-    /// Returns the share of the light from `light` at `wavelength` \[µm\] that is sent into all directions, each of which counts by `weight`.
+    /// Returns the share of the light from `light` at `wavelength` \[µm\] that is sent into all directions, each of
+    /// which counts by `weight`.
     pub fn sent(&self, light: DVec3, wavelength: f64, weight: impl Fn(DVec3) -> f64) -> f64 {
         if light.z <= 0.0 {
             return 0.0;

@@ -10,11 +10,13 @@ use serde::{Deserialize, Serialize};
 
 /// Limit of energy over the directions of a [`DirectionGrid`] for the colours of one light.
 ///
-/// A colour has one divisor: the largest ratio of the albedo to the reflectance of a flat surface among X, Y, Z and those of linear red, green and blue that the flat surface
-/// reflects. So hues stay, and none of them exceeds that of a flat surface.
+/// A colour has one divisor: the largest ratio of the albedo to the reflectance of a flat surface among X, Y, Z and
+/// those of linear red, green and blue that the flat surface reflects. So hues stay, and none of them exceeds that of a
+/// flat surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyMap {
-    /// For each point, E/R, and the share of the light that passes the surface on its way to a pigment and is not sent back, √-normalised as in [`Self::pigment`].
+    /// For each point, E/R, and the share of the light that passes the surface on its way to a pigment and is not sent
+    /// back, √-normalised as in [`Self::pigment`].
     points: Vec<[f32; 2]>,
     /// Errors of the map.
     header: EnergyMapHeader,
@@ -50,7 +52,8 @@ impl EnergyMap {
         Self { points, header: EnergyMapHeader { largest, error: 0.0 } }
     }
 
-    /// Returns the map of `albedo` under `illuminant` with its error: the divisor at a few directions against that from the orders.
+    /// Returns the map of `albedo` under `illuminant` with its error: the divisor at a few directions against that from
+    /// the orders.
     pub fn measured(albedo: &DirectionalAlbedo, illuminant: &Illuminant) -> Self {
         /// Number of directions.
         const DIRECTIONS: usize = 48;
@@ -86,9 +89,10 @@ impl EnergyMap {
         excess(points, pair.light).max(excess(points, pair.view)).max(1.0)
     }
 
-    /// Returns the factor of a pigment below the surface: (1 − E(ω_i))(1 − E(ω_r))/(1 − Ē), the light that is not reflected on the way in, nor on the way out,
-    /// normalised by the mean of 1 − E over directions, so that a white pigment and the surface together reflect at most all light
-    /// (\[Kelemen and Szirmay-Kalos 2001\], *A microfacet based coupled specular-matte BRDF model*, Eurographics short papers).
+    /// Returns the factor of a pigment below the surface: (1 − E(ω_i))(1 − E(ω_r))/(1 − Ē), the light that is not
+    /// reflected on the way in, nor on the way out, normalised by the mean of 1 − E over directions, so that a white
+    /// pigment and the surface together reflect at most all light (\[Kelemen and Szirmay-Kalos 2001\], *A microfacet
+    /// based coupled specular-matte BRDF model*, Eurographics short papers).
     pub fn pigment(&self, pair: &Pair) -> f64 {
         let passed =
             |direction| DirectionGrid::interpolate(direction, |point| f64::from(self.points[point][1]));
@@ -131,7 +135,8 @@ impl EnergyMap {
     }
 }
 
-/// Returns by how much a theory was limited whose largest albedo is so many times that of a flat surface, in words; `None` up to 2 %.
+/// Returns by how much a theory was limited whose largest albedo is so many times that of a flat surface, in words;
+/// `None` up to 2 %.
 pub fn excess_note(largest: f64) -> Option<String> {
     /// Ratio up to which nothing is said.
     const SAID: f64 = 1.02;
@@ -143,7 +148,8 @@ pub fn excess_note(largest: f64) -> Option<String> {
     })
 }
 
-/// Returns the largest ratio of the directions up to 85° from the normal; nearer to the horizon the ratio changes fast and there is little light.
+/// Returns the largest ratio of the directions up to 85° from the normal; nearer to the horizon the ratio changes fast
+/// and there is little light.
 fn largest_below_85_degrees(ratio: impl Fn(usize) -> f64) -> f64 {
     let least = 85f64.to_radians().cos();
     let seen = (0..DirectionGrid::COUNT).filter(|point| DirectionGrid::direction(*point).z > least);

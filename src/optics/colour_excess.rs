@@ -5,7 +5,8 @@ use super::quadrature::Wavelengths;
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
 use glam::DVec3;
 
-/// Least component of a colour over its luminance that is compared: smaller ones are outside of the gamut, and their ratios mean nothing.
+/// Least component of a colour over its luminance that is compared: smaller ones are outside of the gamut, and their
+/// ratios mean nothing.
 const COMPARED: f64 = 0.1;
 
 /// Components of colours that are compared.

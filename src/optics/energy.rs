@@ -1,8 +1,9 @@
 //! Limit of energy: no surface reflects more than a flat one of its material.
 //!
-//! E(ω) is the directional albedo of the theory in use, the share of the light from ω that it sends into all directions, the specular order
-//! included; R(ω) is Fresnel's reflectance of a flat surface. Where E > R the theory makes light. The BRDF is divided by max(1, E(ω_i)/R(ω_i), E(ω_r)/R(ω_r)), which is reciprocal and
-//! leaves it as it is where E ≤ R. Both E and R are of unpolarised light, because R of TM vanishes at Brewster's angle.
+//! E(ω) is the directional albedo of the theory in use, the share of the light from ω that it sends into all
+//! directions, the specular order included; R(ω) is Fresnel's reflectance of a flat surface. Where E > R the theory
+//! makes light. The BRDF is divided by max(1, E(ω_i)/R(ω_i), E(ω_r)/R(ω_r)), which is reciprocal and leaves it as it is
+//! where E ≤ R. Both E and R are of unpolarised light, because R of TM vanishes at Brewster's angle.
 
 use super::geometry::Pair;
 use super::spectrum::Illuminant;
@@ -18,8 +19,9 @@ pub trait EnergyLimit: Debug + Send + Sync {
     fn colour(&self, pair: &Pair, illuminant: &Illuminant) -> f64;
 }
 
-/// Directions above the surface on a square of [`Self::SIDE`]² points, ends included. A direction stands at (x, y)/√((1 + √z)(1 + z)), whose distance from the middle is √(1 − √cos θ): points are
-/// dense near the horizon, where albedos change most. Points beyond the horizon stand for the nearest direction above it.
+/// Directions above the surface on a square of [`Self::SIDE`]² points, ends included. A direction stands at (x, y)/√((1
+/// + √z)(1 + z)), whose distance from the middle is √(1 − √cos θ): points are dense near the horizon, where albedos
+/// change most. Points beyond the horizon stand for the nearest direction above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DirectionGrid;
 

@@ -1,4 +1,5 @@
-//! Factor F in front of the power |P|²: f cos θ_i = k² F/(4π² A w²) · |P|². It depends on the two directions, the material and the [`Theory`].
+//! Factor F in front of the power |P|²: f cos θ_i = k² F/(4π² A w²) · |P|². It depends on the two directions, the
+//! material and the [`Theory`].
 
 use super::brdf::{cosine_weighted, per_factor};
 use super::geometry::Pair;
@@ -52,8 +53,8 @@ impl Reflectance {
         }
     }
 
-    /// Returns f·cos θ_i for a power `|P|²` \[µm⁴\] seen through a window of effective area `area` = ∬ g² \[µm²\] at `wavelength` \[µm\], without a limit of
-    /// energy. It is 0 below the horizon.
+    /// Returns f·cos θ_i for a power `|P|²` \[µm⁴\] seen through a window of effective area `area` = ∬ g² \[µm²\] at
+    /// `wavelength` \[µm\], without a limit of energy. It is 0 below the horizon.
     pub fn cosine_weighted(&self, pair: &Pair, wavelength: f64, area: f64, power: f64) -> f64 {
         match self.theory() {
             Theory::Stam => {
@@ -67,7 +68,8 @@ impl Reflectance {
     }
 }
 
-/// Refractive indices n + ik that stand for X, Y and Z in the factor of a colour, whose sums over wavelengths contain the ratio of |B|² to that of the index.
+/// Refractive indices n + ik that stand for X, Y and Z in the factor of a colour, whose sums over wavelengths contain
+/// the ratio of |B|² to that of the index.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IndexTriple {

@@ -1,8 +1,9 @@
-//! Small-slope approximation of first order (\[Voronovich 1994\], *Waves in Random Media* 4, 337): Rice's kernel B of the first order in the
-//! height (Rice 1951, *Commun. Pure Appl. Math.* 4, 351) in place of Kirchhoff's factor.
+//! Small-slope approximation of first order (\[Voronovich 1994\], *Waves in Random Media* 4, 337): Rice's kernel B of
+//! the first order in the height (Rice 1951, *Commun. Pure Appl. Math.* 4, 351) in place of Kirchhoff's factor.
 //!
-//! R G becomes 4 cos θ_i cos θ_r |B|². With q = √(n² − sin² θ), e = n² − 1, c = cos θ and the azimuth φ between the wave vectors in the plane,
-//! which is 0 in the mirror direction, the amplitudes from one polarisation (second letter) into another (first letter) are
+//! R G becomes 4 cos θ_i cos θ_r |B|². With q = √(n² − sin² θ), e = n² − 1, c = cos θ and the azimuth φ between the
+//! wave vectors in the plane, which is 0 in the mirror direction, the amplitudes from one polarisation (second letter)
+//! into another (first letter) are
 //!
 //! ```text
 //! ss  e cos φ / ((c_i + q_i)(c_r + q_r))                            sp  e q_i sin φ / ((c_r + q_r)(n² c_i + q_i))
@@ -34,8 +35,9 @@ impl End {
     }
 }
 
-/// Returns |B|² of a surface of refractive index `index` = n + ik for light of this polarisation, summed over the polarisations of what leaves. TE and TM are
-/// those of the plane of incidence; at normal incidence of the plane through the viewer. Reciprocal for unpolarised light.
+/// Returns |B|² of a surface of refractive index `index` = n + ik for light of this polarisation, summed over the
+/// polarisations of what leaves. TE and TM are those of the plane of incidence; at normal incidence of the plane
+/// through the viewer. Reciprocal for unpolarised light.
 pub fn intensity(index: Complex64, pair: &Pair, polarisation: Polarisation) -> f64 {
     Incidence::new(index, pair.light, polarisation).intensity(pair.view)
 }
@@ -65,7 +67,8 @@ impl Incidence {
 
     /// Returns |B|² toward the direction `view`, as [`intensity`].
     pub fn intensity(&self, view: DVec3) -> f64 {
-        /// Product of sines below which a direction is the normal: the azimuth is rounding there, and the sum over polarisations does not depend on it.
+        /// Product of sines below which a direction is the normal: the azimuth is rounding there, and the sum over
+        /// polarisations does not depend on it.
         const NORMAL: f64 = 1e-12;
         let (contrast, i, r) = (self.squared - 1.0, &self.end, End::new(self.squared, view.z));
         let [across_i, across_r] = [self.light, view].map(|direction| direction.truncate());
@@ -81,19 +84,22 @@ impl Incidence {
     }
 }
 
-/// Returns the mean of |B|² over the pairs of directions that have this (u, v, w), by the length |(u, v)| and |w|. The pairs lie on a cone about their half vector; each
-/// counts by cos θ_i cos θ_r. A colour table holds the ratio of this mean to that of one index: R at the half vector in its place errs by ten times as much on metals.
+/// Returns the mean of |B|² over the pairs of directions that have this (u, v, w), by the length |(u, v)| and |w|. The
+/// pairs lie on a cone about their half vector; each counts by cos θ_i cos θ_r. A colour table holds the ratio of this
+/// mean to that of one index: R at the half vector in its place errs by ten times as much on metals.
 pub fn mean_intensity(index: Complex64, uv: f64, w: f64, polarisation: Polarisation) -> f64 {
     /// Positions on the cone, symmetric about the pair of equal polar angles.
     const POSITIONS: usize = 8;
-    /// Smallest cosine between half vector and horizon, and smallest half opening: the pair is that of a grazing mirror, or of one direction.
+    /// Smallest cosine between half vector and horizon, and smallest half opening: the pair is that of a grazing
+    /// mirror, or of one direction.
     const LEAST: f64 = 1e-9;
     let length = uv.hypot(w).clamp(LEAST, 2.0);
     // Half vector (x, 0, z), and the cosine and sine between it and either direction.
     let (x, z) = (uv / uv.hypot(w).max(LEAST), (w / uv.hypot(w).max(LEAST)).max(LEAST));
     let cosine = 0.5 * length;
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    // Directions are h cos α ± (t cos ψ + s sin ψ) sin α, with t along y and s = (−z, 0, x): both are above the horizon while |sin ψ| x sin α < z cos α.
+    // Directions are h cos α ± (t cos ψ + s sin ψ) sin α, with t along y and s = (−z, 0, x): both are above the
+    // horizon while |sin ψ| x sin α < z cos α.
     let largest = (z * cosine / (x * sine).max(LEAST)).min(1.0).asin();
     let (mut sum, mut weights) = (0.0, 0.0);
     for position in 0..POSITIONS {
@@ -185,8 +191,8 @@ mod tests {
 
     #[test]
     fn amplitudes_are_those_of_the_first_order_in_the_height() {
-        // A sinusoid of vanishing height on a perfect conductor in TE light sends (k a)² c_i c_r into each first order (Rayleigh 1907): here
-        // 4 c_i c_r |B|² |c_1|²/w² with |c_1|² = (k w a/2)².
+        // A sinusoid of vanishing height on a perfect conductor in TE light sends (k a)² c_i c_r into each first order
+        // (Rayleigh 1907): here 4 c_i c_r |B|² |c_1|²/w² with |c_1|² = (k w a/2)².
         let perfect = Complex64::new(0.0, 1e6);
         for (theta, view) in [(30.0, 10.0), (0.0, 60.0), (70.0, 20.0)] {
             let pair = Pair::new(direction(theta, 180.0), direction(view, 0.0));

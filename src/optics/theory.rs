@@ -1,4 +1,5 @@
-//! Theories of the factor in front of the power |P|², which says how much light a shallow surface scatters from one direction into another.
+//! Theories of the factor in front of the power |P|², which says how much light a shallow surface scatters from one
+//! direction into another.
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -10,7 +11,8 @@ pub enum Theory {
     /// Small-slope approximation of first order (\[Voronovich 1994\]), limited so that no surface reflects more than a flat one.
     #[default]
     SmallSlope,
-    /// Kirchhoff's factor with the reflectance at the half vector, as in the thesis (\[Stam 1999\]; \[Single 2014\] B.12), without a limit.
+    /// Kirchhoff's factor with the reflectance at the half vector, as in the thesis (\[Stam 1999\]; \[Single 2014\]
+    /// B.12), without a limit.
     Stam,
 }
 

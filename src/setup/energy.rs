@@ -23,7 +23,8 @@ fn too_high() -> Error {
     )
 }
 
-/// Returns the limit of `field` for single directions, at wavelengths from the shortest of `settings` on; none where the theory has none.
+/// Returns the limit of `field` for single directions, at wavelengths from the shortest of `settings` on; none where
+/// the theory has none.
 ///
 /// # Errors
 /// Fails if there is too little memory, or with the error of `progress`.
@@ -40,7 +41,8 @@ pub fn single_limit(
     Ok((limit, note))
 }
 
-/// Returns the limit of `field` for the colours of `settings`, from the data `in_use`, from the cache on disk, or made and cached; none where the theory has none.
+/// Returns the limit of `field` for the colours of `settings`, from the data `in_use`, from the cache on disk, or made
+/// and cached; none where the theory has none.
 ///
 /// # Errors
 /// Fails if there is too little memory, or with the error of `progress`.
@@ -55,7 +57,8 @@ pub fn colour_limit(
         return Ok((None, None));
     }
     let sigma = optics.coherence.sigma().unwrap_or(SUNLIGHT_LENGTH / 4.0);
-    // Those of the colour table, which then shares the series. A finite grating has the same orders as sunlight, whose blur the albedo leaves out.
+    // Those of the colour table, which then shares the series. A finite grating has the same orders as sunlight, whose
+    // blur the albedo leaves out.
     let powers = settings.power_settings_of(sigma);
     if OrderSeries::estimate(field, &powers).is_none() {
         return Ok((None, Some(too_high())));

@@ -1,8 +1,9 @@
 //! Part of the small-slope factor that a table holds, because it depends on the wavelength.
 //!
-//! |B|² depends on both directions, and a table has room for (u, v, w) alone. The table holds the mean of |B|² over the pairs of directions that share (u, v, w), divided for each of X, Y and Z by that
-//! of one refractive index ([`IndexTriple`]); the factor in front of the table is |B|² of these indices at the pixel's own directions. Colours of metals err by about 1 %
-//! (`colours_of_metals_keep_the_tolerance`).
+//! The kernel |B|² depends on both directions, and a table has room for (u, v, w) alone. The table holds the mean of |B|²
+//! over the pairs of directions that share (u, v, w), divided for each of X, Y and Z by that of one refractive index
+//! ([`IndexTriple`]). The factor in front of the table is |B|² of these indices at the pixel's own directions. Colours of
+//! metals err by 0.3 to 0.6 % in daylight and by 0.5 to 1.1 % in light of 15 nm standard deviation.
 
 use super::LARGEST_W;
 use crate::optics::factor::IndexTriple;
@@ -21,7 +22,8 @@ pub struct HeldFactor {
 }
 
 impl HeldFactor {
-    /// Added to both means of a ratio, so that it tends to 1 where both are below it, less than a hundredth of glass at normal incidence: TM light has a mean of 0 at Brewster's angle, which depends on the wavelength.
+    /// Added to both means of a ratio, so that it tends to 1 where both are below it, less than a hundredth of glass at
+    /// normal incidence: TM light has a mean of 0 at Brewster's angle, which depends on the wavelength.
     const DARK: f64 = 3e-4;
     /// Steps of |(u, v)| and |w| over 0 … 2.
     const STEPS: usize = 96;
@@ -113,7 +115,8 @@ mod tests {
         std::iter::once(Box::new(|_| 1.0) as Box<dyn Fn(f64) -> f64>).chain(centres.map(narrow)).collect()
     }
 
-    /// Returns the relative L2 errors of colours in daylight and in narrow light, where `held` approximates |B|² of X, Y and Z at a wavelength.
+    /// Returns the relative L2 errors of colours in daylight and in narrow light, where `held` approximates |B|² of X,
+    /// Y and Z at a wavelength.
     fn errors(reflectance: &Reflectance, held: &dyn Fn(&Pair, f64) -> DVec3) -> [f64; 2] {
         let wavelengths: Vec<f64> = (0..81).map(|i| 0.38 + 0.005 * f64::from(i)).collect();
         let luminance = Illuminant::D65.luminance();

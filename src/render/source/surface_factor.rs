@@ -1,5 +1,6 @@
-//! Factor in front of the power |P|² on the device: its law, the refractive index, what depends on the wavelength, and the limit of energy. They are the first
-//! bindings of set 1 of each source. Its twins are `shaders/brdf.glsl` and `shaders/pair.glsl`.
+//! Factor in front of the power |P|² on the device: its law, the refractive index, what depends on the wavelength, and
+//! the limit of energy. They are the first bindings of set 1 of each source. Its twins are `shaders/brdf.glsl` and
+//! `shaders/pair.glsl`.
 
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::Result;
@@ -94,7 +95,8 @@ impl SurfaceFactor {
         }
     }
 
-    /// Returns the reflectance at normal incidence by which the pigment is attenuated, if the sums over wavelengths contain R or the ratio to it.
+    /// Returns the reflectance at normal incidence by which the pigment is attenuated, if the sums over wavelengths
+    /// contain R or the ratio to it.
     pub fn normal_of_pigment(&self) -> Option<f32> {
         let is_held = matches!(self.law, Law::Spectral | Law::SmallSlopeIndices | Law::SmallSlopeSpectral);
         // A baseline applies no spectral law, and its pigment is below the material all the same.

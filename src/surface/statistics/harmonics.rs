@@ -13,7 +13,8 @@ const MOST: usize = 5;
 const FEWEST: usize = 3;
 /// Largest Σ |D_n|² over n ≥ 2 of a sinusoid: 0.04 where a second harmonic has a tenth of its amplitude, 0.15 of a triangle.
 const SINUSOID_OVERTONES: f64 = 0.05;
-/// Widest flank of a blaze over its period, and the largest RMS difference of its D_n from those of a sawtooth with some flank up to this one.
+/// Widest flank of a blaze over its period, and the largest RMS difference of its D_n from those of a sawtooth with
+/// some flank up to this one.
 const WIDEST_FLANK: f64 = 0.2;
 const BLAZE_DIFFERENCE: f64 = 0.2;
 /// Flanks that are tried.
@@ -21,7 +22,8 @@ const FLANKS: usize = 20;
 
 /// Fourier coefficients of heights.
 pub(super) struct Harmonics {
-    /// c_n \[µm\] of the frequency times n = 1, 2 …, those below the Nyquist frequency: h = Σ c_n e^{2πi n f·r} over both signs of n.
+    /// c_n \[µm\] of the frequency times n = 1, 2 …, those below the Nyquist frequency: h = Σ c_n e^{2πi n f·r} over
+    /// both signs of n.
     coefficients: Vec<Complex<f64>>,
 }
 
@@ -108,7 +110,8 @@ impl Harmonics {
     }
 }
 
-/// Returns the number of multiples of a frequency \[1/µm\], at most [`MOST`], below the Nyquist frequencies of samples this far apart \[µm\].
+/// Returns the number of multiples of a frequency \[1/µm\], at most [`MOST`], below the Nyquist frequencies of samples
+/// this far apart \[µm\].
 fn resolved(frequency: [f64; 2], spacing: [f64; 2]) -> usize {
     let cycles = [0, 1].map(|axis| (frequency[axis] * spacing[axis]).abs());
     (1..=MOST).take_while(|n| cycles.iter().all(|c| *n as f64 * c < 0.5)).count()

@@ -38,8 +38,8 @@ impl ProfileKind {
 
 /// Fewer periods over a field whose copies do not join are not resolved.
 const FEWEST_CYCLES: f64 = 3.0;
-/// Share of the variance in a frequency across which the strongest lies, from which on it is a second period: an amplitude of a seventh of that of a
-/// sinusoid.
+/// Share of the variance in a frequency across which the strongest lies, from which on it is a second period: an
+/// amplitude of a seventh of that of a sinusoid.
 const SECOND_SHARE: f64 = 0.02;
 /// Least angle between the two, as its cosine, and least second frequency over the first: longer periods along grooves bend them.
 const SECOND_COSINE: f64 = 0.866;
@@ -48,14 +48,14 @@ const SECOND_FREQUENCY: f64 = 0.25;
 const PERIODIC_SHARE: f64 = 0.5;
 /// Least share of the variance in the strongest frequency of a sinusoid.
 const SINUSOID_SHARE: f64 = 0.9;
-/// Least share in the strongest frequency of a lamellar profile, which has 8/π² with ridges of half a period, and limits of the share of samples
-/// above the middle of the heights.
+/// Least share in the strongest frequency of a lamellar profile, which has 8/π² with ridges of half a period, and
+/// limits of the share of samples above the middle of the heights.
 const LAMELLAR_SHARE: f64 = 0.7;
 const LAMELLAR_DUTY: std::ops::RangeInclusive<f64> = 0.42..=0.58;
 /// Least share of the samples in the outer tenths of the height range for a lamellar profile; 0.2 of a blaze, 0.4 of a sinusoid.
 const LAMELLAR_ENDS: f64 = 0.7;
-/// Least share of the variance in multiples of the strongest frequency of a blaze, which has 0.87 in four of them, and of profiles that are periodic
-/// although most of the variance is in overtones.
+/// Least share of the variance in multiples of the strongest frequency of a blaze, which has 0.87 in four of them, and
+/// of profiles that are periodic although most of the variance is in overtones.
 const HARMONIC_SHARE: f64 = 0.75;
 
 /// Sums over a spectrum.
@@ -236,7 +236,8 @@ fn variance_at(spectrum: &SurfaceSpectrum, place: [usize; 2], is_period: bool) -
     }
 }
 
-/// Returns the share of the samples in the lowest and highest tenth of the height range together, and that of those above its middle.
+/// Returns the share of the samples in the lowest and highest tenth of the height range together, and that of those
+/// above its middle.
 fn shares_of_heights(field: &HeightField) -> [f64; 2] {
     let (low, high) = field.range();
     let [tenth, middle] = [(high - low) / 10.0, f64::midpoint(low, high)];
