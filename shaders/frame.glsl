@@ -11,17 +11,19 @@ struct Sample {
     uint index;                     // number of the sample among those of its light, from 0
     uint count;                     // samples of the picture that draw the light
     uint seed;                      // low bits of the sequence's seed
+    uint turn;                      // of the choice of a direction: `slot_of` of light.glsl
+    uint parts;                     // binary logarithm of the number of parts within which pixels differ
 };
 
 // Light of a sample; see `LightBlock` of src/render/frame_set.rs.
 struct Light {
     vec4 toward;                    // xyz: unit vector to the light, or point of a lamp; w: variance of it
-    vec4 emitter;                   // w: kind of emitter; xyz: centre of a lamp ALL_AROUND, or normal of one to a side
+    vec4 emitter;                   // w: kind of emitter; xyz: centre of a lamp ALL_AROUND, or normal of one to a side; x of a distant light: length of the mean of the directions it stands for
     vec4 irradiance;                // rgb: over pi, facing the light; lamp: at distance 1. w: weight of surroundings
     mat4 shadow_from_world;         // to the clip space of the light's depth map
 };
 
-const int MOST_LIGHTS = 8; // of src/render/frame_set.rs
+const int LIGHT_SLOTS = 32; // of src/render/frame_set.rs
 
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
@@ -30,5 +32,5 @@ layout(set = 0, binding = 0, std140) uniform Frame {
     vec4 grooves;                   // xy: cosine and sine of a constant angle of the patch; zw: size of a pixel in clip space
     vec4 surroundings;              // xy: cosine and sine of rotation; z: value of a stored 1; w: specular variance
     Sample at;                      // sample of the picture
-    Light lights[MOST_LIGHTS];      // lights that are drawn together
+    Light lights[LIGHT_SLOTS];      // lights that are drawn together, or directions of one light
 } frame;

@@ -23,8 +23,8 @@ void main() {
     answers[n++] = frame.grooves;
     answers[n++] = frame.surroundings;
     answers[n++] = vec4(frame.at.jitter, frame.at.footprint, float(frame.at.index));
-    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), 0.0, 0.0);
-    for (int i = 0; i < MOST_LIGHTS; ++i) {
+    answers[n++] = vec4(float(frame.at.count), float(frame.at.seed), float(frame.at.turn), float(frame.at.parts));
+    for (int i = 0; i < LIGHT_SLOTS; ++i) {
         Light light = frame.lights[i];
         answers[n++] = light.toward;
         answers[n++] = light.emitter;

@@ -5,8 +5,28 @@
 layout(constant_id = 3) const bool MIRRORED = false; // true: light of the surroundings, separate specular order
 layout(constant_id = 4) const bool LAMP = false;     // true if the light is a lamp
 layout(constant_id = 5) const bool SHADOWS = false;  // true if the light casts shadows
+layout(constant_id = 8) const bool CHOSEN = false;   // true if each pixel takes one of the directions of the light
 
-layout(set = 0, binding = 6) uniform sampler2DArray shadow; // depth from each light
+layout(set = 0, binding = 6) uniform sampler2DArray shadow;      // depth from each light
+layout(set = 0, binding = 10) uniform sampler2DArray sky_shadow; // from each direction among which pixels choose
+
+// Returns the direction number `number` of the light that the pixel takes: `Choices::slot` of src/render/light_passes.rs.
+int slot_of(ivec2 pixel, int number) {
+    uint turn = frame.at.turn + bitfieldReverse(uint(number));
+    uint place = uint(pixel.x) * 3242174889u + uint(pixel.y) * 2447445414u + turn;
+    return int(((place >> frame.at.parts) + turn) >> (32 - findMSB(LIGHT_SLOTS)));
+}
+
+// Returns the share of four texels of depth map number `map` around `place` \[texels\] that are at least as far from the light
+// as `depth`, weighed by the distance from their centres.
+float share_lit(sampler2DArray maps, vec2 place, int map, float depth) {
+    vec2 size = vec2(textureSize(maps, 0).xy);
+    vec2 corner = place - 0.5, share = fract(corner);
+    // In the middle of four texels, so that rounding does not move to others.
+    vec4 found = textureGather(maps, vec3((floor(corner) + 1.0) / size, map), 0);
+    vec4 lit = vec4(greaterThanEqual(found, vec4(depth)));
+    return mix(mix(lit.w, lit.z, share.x), mix(lit.x, lit.y, share.x), share.y);
+}
 
 // Returns a vector to the light, in the world; for a lamp it is not normalised.
 vec3 toward_light(SurfacePoint at, Light light) {
@@ -17,6 +37,19 @@ vec3 toward_light(SurfacePoint at, Light light) {
 vec3 direction_of_light(SurfacePoint at, Light light) {
     vec3 direction = rotated(at.rotation, normalize(toward_light(at, light)));
     return vec3(direction.x, at.sense * direction.y, direction.z);
+}
+
+// Returns the mean of max(cos, 0) over the directions that the light stands for, by the cosine to its middle:
+// `mean_cosine` of src/scene/incident.rs.
+float mean_cosine(Light light, float cosine) {
+    if (LAMP) {
+        return max(cosine, 0.0);
+    }
+    float mean = light.emitter.x;
+    float whole = mean * cosine, along = (1.0 - mean) * (1.0 - mean);
+    float across = 1.5 * (1.0 - mean * mean - along / 3.0);
+    float width = sqrt(max(along * cosine * cosine + across * (1.0 - cosine * cosine), 0.0)); // half of it
+    return abs(whole) >= width ? max(whole, 0.0) : (whole + width) * (whole + width) / (4.0 * width);
 }
 
 // Returns the brightness relative to that at distance 1 on the axis of the lamp: `LampPoint::falloff` of
@@ -31,21 +64,26 @@ float falloff(SurfacePoint at, Light light) {
     return light.emitter.w == ALL_AROUND ? around : aside;
 }
 
-// Returns true if depth map number `map`, that of the light, has a surface nearer to the light. The depth bias covers
-// the depth change of the surface within a texel of the map, and rounding.
-bool in_shadow(SurfacePoint at, Light light, int map) {
-    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 1.5; // TEXEL: the diagonal, with a margin
+// Returns the share of the light that reaches the point past the surfaces in depth map number `map`, that of the light: 0 or
+// 1 but within a texel of the edge of a shadow. The depth bias covers the depth change of the surface within a texel of
+// the map, and rounding.
+float visibility(SurfacePoint at, Light light, int map) {
+    const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 3.0; // TEXEL: the diagonal of the four, with a margin for curved surfaces
     vec3 toward = toward_light(at, light);
-    float cosine = abs(dot(at.face, normalize(toward)));
+    float facing_light = dot(at.face, normalize(toward));
+    if (facing_light <= 0.0 && mean_cosine(light, facing_light) > 0.0) {
+        return 1.0; // the middle of the light is behind the surface, and the part beside it that shines on it is not
+    }
+    float cosine = abs(facing_light);
     float slope = min(sqrt(max(1.0 - cosine * cosine, 0.0)) / max(cosine, 1e-6), STEEPEST);
     mat4 clip_from_world = light.shadow_from_world;
     vec4 clip = clip_from_world * vec4(at.position, 1.0);
-    vec2 size = vec2(textureSize(shadow, 0).xy);
+    vec2 size = vec2(CHOSEN ? textureSize(sky_shadow, 0).xy : textureSize(shadow, 0).xy);
     // For parallel light the clip space is two units wide and one deep.
     float bias = ROUNDING + slope * TEXEL / size.x;
     if (LAMP) {
         if (clip.w <= 0.0 || any(greaterThan(abs(clip.xy), vec2(clip.w)))) {
-            return false; // not on the map
+            return 1.0; // not on the map
         }
         // Relative change of the distance along the axis of the map on the surface, per distance on the map.
         vec3 axis = vec3(clip_from_world[0].w, clip_from_world[1].w, clip_from_world[2].w);
@@ -58,9 +96,10 @@ bool in_shadow(SurfacePoint at, Light light, int map) {
         bias = abs(reach) / (clip.w * clip.w) * (ROUNDING * clip.w + slope * TEXEL * texel);
     }
     vec3 place = clip.xyz / clip.w;
-    vec2 texel = clamp((place.xy * 0.5 + 0.5) * size, vec2(0.0), size - 1.0);
+    vec2 texel = (place.xy * 0.5 + 0.5) * size;
     // Beyond the far end of the map nothing is in shadow: all casters are nearer.
-    return texelFetch(shadow, ivec3(texel, map), 0).r < min(place.z - bias, 1.0);
+    float depth = min(place.z - bias, 1.0);
+    return CHOSEN ? share_lit(sky_shadow, texel, map, depth) : share_lit(shadow, texel, map, depth);
 }
 
 // Returns the unit vector to the light in the world where the point has moved.
@@ -101,7 +140,13 @@ Footprint footprint_of(SurfacePoint at, mat2x3 views, Light light, vec3 to_light
         vec3 toward = toward_light(at, light);
         variance /= dot(toward, toward);
     }
-    return widened(change, variance, to_light.xy);
+    change = widened(change, variance, to_light.xy);
+    if (CHOSEN) {
+        // A direction stands for a part of the surroundings whose outline is not known: its footprint is round.
+        float radius = sqrt(0.5 * (dot(change.dx, change.dx) + dot(change.dy, change.dy)));
+        change = Footprint(vec2(radius, 0.0), vec2(0.0, radius));
+    }
+    return change;
 }
 
 // Returns the radiance of the surroundings in the mirrored direction, averaged over the pixel and over the spread of

@@ -35,6 +35,10 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return xyz * source.strength;
 }
 
+vec3 source_round_xyz(Pair pair, float radius) {
+    return source_xyz(pair, POINT);
+}
+
 // Never used: the orders have colours only.
 float source_spectral(Pair pair, float wavenumber) {
     return 0.0;

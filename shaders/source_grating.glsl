@@ -28,6 +28,10 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return cosine_weighted(pair, xyz / s.periods);
 }
 
+vec3 source_round_xyz(Pair pair, float radius) {
+    return source_xyz(pair, POINT);
+}
+
 // Returns the value of one copy; its periodic factor is multiplied in f64, which resolves orders of any sharpness.
 float source_spectral(Pair pair, float wavenumber) {
     return cosine_weighted_at(pair, wavenumber);

@@ -61,6 +61,23 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return table_scattered(pair, footprint);
 }
 
+// Returns the average over a round footprint of this radius, a mixture of two levels of together its variance. That is no
+// Gaussian, but serves for light whose distribution is not known.
+vec3 source_round_xyz(Pair pair, float radius) {
+    float variance = max(radius * radius, source.finest);
+    float level = min(level_of_ratio((variance - source.finest) * source.per_growth + 1.0), source.last_level);
+    float next = min(level + 1.0, source.last_level);
+    // Levels have variances of (4^level - 1) / per_growth more than the finest.
+    float share = ((variance - source.finest) * source.per_growth + 1.0) * exp2(-2.0 * level);
+    share = clamp((share - 1.0) / 3.0, 0.0, 1.0);
+    Piece piece = piece_of(pair.w);
+    vec3 place = vec3(pair.toward * source.texture_per_uv + 0.5, float(TEXELS * piece.number));
+    Numbers average = NOTHING;
+    add_place(average, 1.0 - share, place, level);
+    add_place(average, share, place, next);
+    return table_value(pair, average, piece);
+}
+
 // Never used: a table has no single wavelengths.
 float source_spectral(Pair pair, float wavenumber) {
     return 0.0;

@@ -84,6 +84,10 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return xyz * (pair.factor * source.sigma * source.sigma);
 }
 
+vec3 source_round_xyz(Pair pair, float radius) {
+    return source_xyz(pair, POINT);
+}
+
 float source_spectral(Pair pair, float wavenumber) {
     bool seen = wavenumber <= largest_wavenumber(pair);
     return seen ? pair.factor.y * source.sigma * source.sigma * density_at(pair, wavenumber) : 0.0;

@@ -27,6 +27,10 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return cosine_weighted(pair, xyz);
 }
 
+vec3 source_round_xyz(Pair pair, float radius) {
+    return source_xyz(pair, POINT);
+}
+
 float source_spectral(Pair pair, float wavenumber) {
     return cosine_weighted_at(pair, wavenumber);
 }

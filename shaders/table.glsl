@@ -80,6 +80,11 @@ vec3 table_specular(Pair pair, Footprint footprint) {
     return sum * table_factor(pair);
 }
 
+// Returns XYZ of f cos(theta_i) [1/sr] for coordinates at the pair.
+vec3 table_value(Pair pair, Numbers numbers, Piece piece) {
+    return colour_of(numbers, piece) * (source.unit * pair.w * pair.w) * table_factor(pair);
+}
+
 // Returns XYZ of f cos(theta_i) [1/sr] without the specular order, averaged over the footprint.
 vec3 table_scattered(Pair pair, Footprint footprint) {
     vec3 c = covariance(footprint);
@@ -104,5 +109,5 @@ vec3 table_scattered(Pair pair, Footprint footprint) {
             add_place(average, row.weight * exp(-row.fall * n * n), vec3(place + n * step, layer), level + row.coarser);
         }
     }
-    return colour_of(average, piece) * (source.unit * pair.w * pair.w) * table_factor(pair);
+    return table_value(pair, average, piece);
 }

@@ -1,6 +1,7 @@
 //! Directions seen by the pixels of a frame, as data.
 
 use crate::filter::Covariance;
+use crate::scene::Incident;
 use glam::{DVec2, DVec3};
 
 /// Radiance of one pixel of a frame, and the directions it was shaded for.
@@ -26,10 +27,13 @@ pub struct Directions {
     pub footprints: Vec<[f32; 4]>,
     /// Standard deviation of the part of the pixel filter that shading averages over \[pixels\].
     pub filter: f64,
-    /// Irradiance over π of a surface that faces the light, linear sRGB; for a lamp, at distance 1. Scaled up for a
-    /// light that only some of the samples draw.
-    pub irradiance: DVec3,
-    /// Brightness of the light at each pixel as a factor of `irradiance`; empty without lamps.
+    /// Light samples, one or several among which pixels choose. Their irradiance is scaled up for a light that only some of
+    /// the samples of a picture draw.
+    pub incidents: Vec<Incident>,
+    /// Number of the light sample of each pixel; empty if there is one.
+    pub chosen: Vec<u8>,
+    /// Brightness of the light at each pixel as a factor of that of its sample: the falloff of a lamp, and the visible share
+    /// at the edges of shadows. Empty if it is 1 everywhere.
     pub falloffs: Vec<f32>,
     /// Radiance of the surroundings in the mirrored direction of each pixel, linear sRGB; zero at uncovered pixels. If
     /// not empty, the light is drawn from the surroundings, and these values give their specular order.
@@ -48,6 +52,8 @@ impl Directions {
             light: some(&self.light, chosen),
             view: some(&self.view, chosen),
             footprints: some(&self.footprints, chosen),
+            incidents: self.incidents.clone(),
+            chosen: some(&self.chosen, chosen),
             falloffs: some(&self.falloffs, chosen),
             mirrored: some(&self.mirrored, chosen),
             objects: some(&self.objects, chosen),
@@ -60,9 +66,16 @@ impl Directions {
         self.objects.get(i).map_or(0, |&object| object.into())
     }
 
+    /// Returns the light sample of pixel number `i`.
+    pub fn incident(&self, i: usize) -> Incident {
+        let number = self.chosen.get(i).map_or(0, |&number| number.into());
+        self.incidents.get(number).copied().unwrap_or(Incident::NONE)
+    }
+
     /// Returns the irradiance over π at pixel number `i` of a surface that faces the light, linear sRGB.
     pub fn irradiance(&self, i: usize) -> DVec3 {
-        self.irradiance * self.falloffs.get(i).map_or(1.0, |&falloff| f64::from(falloff))
+        let falloff = self.falloffs.get(i).map_or(1.0, |&falloff| f64::from(falloff));
+        self.incident(i).irradiance.as_dvec3() * falloff
     }
 
     /// Returns the covariance of (u, v) that shading averages over at pixel number `i`; zero without footprints.

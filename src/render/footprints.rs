@@ -164,7 +164,7 @@ fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+    use crate::scene::Incident;
 
     #[test]
     fn semi_axes_are_singular_values() {
@@ -183,7 +183,8 @@ mod tests {
     fn a_distribution_counts_what_is_shaded_and_no_more() {
         let up = [0.0, 0.0, 1.0, 1.0];
         let seen = Directions {
-            irradiance: DVec3::ONE,
+            incidents: vec![Incident::NONE],
+            chosen: Vec::new(),
             falloffs: Vec::new(),
             light_number: 0,
             light: vec![up, up, [0.0, 0.0, -1.0, 1.0], [0.0; 4]],

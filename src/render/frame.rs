@@ -1,6 +1,6 @@
 //! A frame: the view that is drawn, and the settings of its display.
 
-use super::frame_set::{FrameBlock, LightBlock, MOST_LIGHTS};
+use super::frame_set::{FrameBlock, LIGHT_SLOTS, LightBlock, SampleBlock};
 use super::light_passes::{LightPass, LightSchedule};
 use super::sampling::Sampling;
 use super::shadow_map::ShadowSphere;
@@ -116,42 +116,48 @@ impl View {
         self.lights.iter().any(Light::is_lamp)
     }
 
-    /// Returns the light incident on the pixels of `pass` from its first light.
-    pub fn incident(&self, pass: &LightPass) -> Incident {
-        self.incident_of(pass.light, pass)
+    /// Returns the light incident on the pixels of `pass` from its first light: one sample, or those among which each pixel
+    /// chooses.
+    pub fn incidents(&self, pass: &LightPass) -> Vec<Incident> {
+        let slots = if pass.choices.is_some() { LIGHT_SLOTS as u32 } else { 1 };
+        (0..slots).map(|slot| self.incident_of(pass.light, slot, pass)).collect()
     }
 
-    /// Returns the light incident on the pixels of `pass` from light number `light`; none if there is no such light.
-    /// Each light has a separate pair of sequence dimensions, after the pair of the position in the pixel.
-    fn incident_of(&self, light: usize, pass: &LightPass) -> Incident {
+    /// Returns the light incident on the pixels of `pass` from light number `light`, from the direction in `slot` if pixels
+    /// choose; none if there is no such light. Each light has a separate pair of sequence dimensions, after the pair of the
+    /// position in the pixel.
+    fn incident_of(&self, light: usize, slot: u32, pass: &LightPass) -> Incident {
         let LightPass { sample, weight, .. } = *pass;
         let room = self.room();
         let incident = match (self.lights.get(light), &self.environment) {
             (Some(found), _) => found.emitter.incident(sample.pair(1 + light as u32), sample.count, &room),
             (None, Some(around)) if self.is_surroundings(light) => {
-                around.incident(sample.rank(), sample.count)
+                let (number, of) =
+                    pass.choices.map_or((sample.index, sample.count), |choices| choices.number(slot));
+                around.incident(number, of)
             }
             _ => Incident::NONE,
         };
         Incident { irradiance: incident.irradiance * weight as f32, ..incident }
     }
 
-    /// Returns the part of the `Frame` block about light number `light` of `pass`.
-    fn light_block(&self, size: [u32; 2], light: usize, pass: &LightPass) -> LightBlock {
-        let incident = self.incident_of(light, pass);
+    /// Returns the part of the `Frame` block about light number `light` of `pass`, or about the direction of it in `slot`.
+    fn light_block(&self, size: [u32; 2], light: usize, slot: u32, pass: &LightPass) -> LightBlock {
+        let incident = self.incident_of(light, slot, pass);
         let toward = incident.place.map_or(incident.direction, |place| place.point);
         let mirrored = if self.is_surroundings(light) { pass.weight as f32 } else { 0.0 };
         LightBlock {
             toward: toward.as_vec3().extend(incident.variance as f32).to_array(),
-            emitter: LightBlock::emitter_of(incident.place.as_ref()),
+            emitter: LightBlock::emitter_of(&incident),
             irradiance: incident.irradiance.extend(mirrored).to_array(),
-            shadow_from_world: self.shadow_from_world(size, light, pass).to_cols_array_2d(),
+            shadow_from_world: self.shadow_from_world(size, light, incident, pass).to_cols_array_2d(),
         }
     }
 
-    /// Returns the matrix from the world to the clip space of the depth map of light number `light` for `pass`. Samples
-    /// share the map of the light's centre if its penumbrae are narrower than a pixel.
-    fn shadow_from_world(&self, size: [u32; 2], light: usize, pass: &LightPass) -> Mat4 {
+    /// Returns the matrix from the world to the clip space of the depth map of light number `light` for `pass`, from which
+    /// it is `incident`. Samples share the map of the light's centre if its penumbrae are narrower than a pixel. Passes share
+    /// the maps of directions that pixels choose.
+    fn shadow_from_world(&self, size: [u32; 2], light: usize, incident: Incident, pass: &LightPass) -> Mat4 {
         let (sphere, room) = (self.shadow_sphere(size), self.room());
         let emitter = self.lights.get(light).map(|light| light.emitter);
         // One of very many samples stands for its point of the light alone.
@@ -159,8 +165,9 @@ impl View {
         let hidden =
             emitter.filter(|emitter| sphere.hides_penumbrae_between(&end(emitter, 0.0), &end(emitter, 1.0)));
         let shared = hidden.map(|emitter| emitter.incident([0.5; 2], 1, &room));
-        let jitter = if shared.is_some() { [0.0; 2] } else { pass.sample.jitter };
-        let incident = shared.unwrap_or_else(|| self.incident_of(light, pass));
+        let stays = shared.is_some() || pass.choices.is_some();
+        let jitter = if stays { [0.0; 2] } else { pass.sample.jitter };
+        let incident = shared.unwrap_or(incident);
         match incident.place {
             None => sphere.clip_from_world(incident.direction, jitter),
             Some(place) => sphere.clip_from_lamp(place.point.as_vec3(), jitter),
@@ -184,10 +191,17 @@ impl View {
     /// Returns the `Frame` block of `pass` in a picture of `size` pixels, without the fields of an object.
     pub fn block(&self, size: [u32; 2], pass: &LightPass) -> FrameBlock {
         let clip_from_world = self.clip_from_world(size);
-        let mut lights = [LightBlock::default(); MOST_LIGHTS];
-        for light in pass.numbers() {
-            lights[LightPass::place_of(light)] = self.light_block(size, light, pass);
+        let mut lights = [LightBlock::default(); LIGHT_SLOTS];
+        if pass.choices.is_some() {
+            for (slot, block) in (0..).zip(&mut lights) {
+                *block = self.light_block(size, pass.light, slot, pass);
+            }
+        } else {
+            for light in pass.numbers() {
+                lights[pass.place_of(light)] = self.light_block(size, light, 0, pass);
+            }
         }
+        let (turn, parts) = pass.choices.map_or((0, 0), |choices| (choices.turn, choices.parts));
         FrameBlock {
             clip_from_world: camera::jittered(clip_from_world, size, pass.sample.jitter).to_cols_array_2d(),
             eye: self.camera.eye().extend(0.0).to_array(),
@@ -199,7 +213,7 @@ impl View {
                 let (sin, cos) = rotation.to_radians().sin_cos();
                 [cos as f32, sin as f32, exposure.exp2() as f32, 0.0]
             }),
-            sample: pass.sample.block(),
+            sample: SampleBlock { turn, parts, ..pass.sample.block() },
         }
     }
 }

@@ -8,7 +8,7 @@ use super::surroundings::Surroundings;
 use super::upload;
 use crate::error::Result;
 use crate::scene::environment::Environment;
-use crate::scene::incident::{Emits, LampPoint};
+use crate::scene::incident::{Emits, Incident};
 use crate::vk::buffer::Buffer;
 use crate::vk::descriptors::{Binding, Descriptors};
 use crate::vk::device::Device;
@@ -21,6 +21,9 @@ use std::sync::Arc;
 
 /// Largest number of lights that are drawn together. Their depth maps take up to 16 MiB each.
 pub const MOST_LIGHTS: usize = 8;
+/// Number of lights in a `Frame` block, a power of two: [`MOST_LIGHTS`], or directions of the surroundings among which
+/// pixels choose ([`super::light_passes::Choices`]). Nine neighbouring pixels and four passes then see about all of them.
+pub const LIGHT_SLOTS: usize = 32;
 
 /// The `Frame` block (std140).
 #[repr(C)]
@@ -40,8 +43,8 @@ pub struct FrameBlock {
     pub surroundings: [f32; 4],
     /// Sample of the picture.
     pub sample: SampleBlock,
-    /// Lights that are drawn together; unused ones are 0.
-    pub lights: [LightBlock; MOST_LIGHTS],
+    /// Lights that are drawn together, or directions of one light; unused ones are 0.
+    pub lights: [LightBlock; LIGHT_SLOTS],
 }
 
 /// Sample of a light (std140).
@@ -61,11 +64,11 @@ pub struct LightBlock {
 }
 
 impl LightBlock {
-    /// Returns `emitter` of a light: w is 0 for a distant light, 1 for a lamp that emits in all directions (xyz: its
-    /// centre), and 2 for a lamp that emits to one side (xyz: its normal).
-    pub fn emitter_of(place: Option<&LampPoint>) -> [f32; 4] {
-        match place.map(|place| place.emits) {
-            None => [0.0; 4],
+    /// Returns `emitter` of a light sample: w is 0 for a distant light (x: [`Incident::mean`]), 1 for a lamp that emits in
+    /// all directions (xyz: its centre), and 2 for a lamp that emits to one side (xyz: its normal).
+    pub fn emitter_of(incident: &Incident) -> [f32; 4] {
+        match incident.place.map(|place| place.emits) {
+            None => [incident.mean as f32, 0.0, 0.0, 0.0],
             Some(Emits::AllAround { middle }) => middle.as_vec3().extend(1.0).to_array(),
             Some(Emits::ToOneSide { normal }) => normal.as_vec3().extend(2.0).to_array(),
         }
@@ -86,8 +89,10 @@ pub struct SampleBlock {
     pub count: u32,
     /// Low bits of the sequence's seed.
     pub seed: u32,
-    /// std140 rounds a structure up to 16 bytes.
-    pub padding: [u32; 2],
+    /// [`super::light_passes::Choices::turn`]; 0 if pixels do not choose.
+    pub turn: u32,
+    /// [`super::light_passes::Choices::parts`].
+    pub parts: u32,
 }
 
 /// Binding numbers.
@@ -110,6 +115,8 @@ pub mod binding {
     pub const GROOVES: u32 = 8;
     /// [`super::GBuffer::albedo`].
     pub const ALBEDOS: u32 = 9;
+    /// Depth from directions of the surroundings.
+    pub const SKY_SHADOW: u32 = 10;
 }
 
 /// Descriptor set 0 and the buffers and images bound to it.
@@ -141,7 +148,8 @@ impl FrameSet {
     ) -> Result<Self> {
         use vk::DescriptorType as T;
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let images = (binding::PIGMENT..=binding::ALBEDOS).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
+        let images =
+            (binding::PIGMENT..=binding::SKY_SHADOW).map(|number| (number, T::COMBINED_IMAGE_SAMPLER));
         let bindings: Vec<Binding> = std::iter::once((binding::FRAME, T::UNIFORM_BUFFER))
             .chain(images)
             .map(|(number, kind)| Binding { number, kind, stages })
@@ -180,7 +188,8 @@ impl FrameSet {
             surroundings: None,
         };
         set.read_from(gbuffer);
-        set.read_shadow(None);
+        set.descriptors.image(binding::SHADOW, &set.unshadowed, &set.nearest);
+        set.descriptors.image(binding::SKY_SHADOW, &set.unshadowed, &set.nearest);
         Ok(set)
     }
 
@@ -199,9 +208,9 @@ impl FrameSet {
         }
     }
 
-    /// Points the set at the depth maps of the lights, if there are any. The device must not be using the set.
-    pub fn read_shadow(&self, maps: Option<&Image>) {
-        self.descriptors.image(binding::SHADOW, maps.unwrap_or(&self.unshadowed), &self.nearest);
+    /// Points `number`, [`binding::SHADOW`] or [`binding::SKY_SHADOW`], at depth maps. The device must not be using the set.
+    pub fn read_shadow(&self, number: u32, maps: &Image) {
+        self.descriptors.image(number, maps, &self.nearest);
     }
 
     /// Uploads the picture of `environment` unless it is there already, and points the set at it. Returns the radiance

@@ -20,6 +20,7 @@ use crate::optics::nufft::{self, Progress};
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::scene::camera::pixel_in_clip;
+use crate::scene::incident::mean_cosine;
 use crate::settings::Optics;
 use crate::surface::HeightField;
 use glam::{DVec3, DVec4};
@@ -150,17 +151,22 @@ impl<'a> PixelReference<'a> {
             for ((color, &i), ((pair, _), xyz)) in
                 colors.iter_mut().zip(pixels).zip(asked.iter().zip(diffracted))
             {
-                if !pair.above_horizon() {
+                // Nothing is lit in shadow or from behind.
+                if pair.view.z <= 0.0 || pair.light == DVec3::NEG_Z {
                     continue;
                 }
+                let diffracted = if pair.above_horizon() { xyz_to_linear_srgb(xyz) } else { DVec3::ZERO };
                 let limit = match (&self.by, &energy) {
                     // Sums through windows have no limit of their own here.
                     (By::Windows(_), Some(energy)) => energy.limit(pair),
                     _ => 1.0,
                 };
-                let passed = self.passed_to_pigment(pair, energy.as_ref());
-                let pigmented = white * base_color * (passed * pair.light.z / PI);
-                *color += (xyz_to_linear_srgb(xyz) / limit + pigmented) * seen.irradiance(i) * PI;
+                // The pigment is lit by the part above the horizon of a light whose middle is below it, too.
+                let cosine = mean_cosine(pair.light.z, seen.incident(i).mean);
+                let above = Pair { light: pair.light.with_z(pair.light.z.max(0.0)), ..*pair };
+                let passed = self.passed_to_pigment(&above, energy.as_ref());
+                let pigmented = white * base_color * (passed * cosine / PI);
+                *color += (diffracted / limit + pigmented) * seen.irradiance(i) * PI;
             }
             self.add_mirrored(seen, pixels, &mut colors);
         }

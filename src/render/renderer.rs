@@ -2,6 +2,7 @@
 
 use super::evaluator::{Query, QueryPass};
 use super::frame::{Shown, View};
+use super::frame_set::LIGHT_SLOTS;
 use super::gbuffer::{GBuffer, GBufferSettings};
 use super::light_passes::LightPass;
 use super::object::{DeviceObject, ObjectData, ObjectSource, ObjectSources};
@@ -12,7 +13,7 @@ use super::passes::geometry::GeometryPass;
 use super::passes::light_directions::LightDirections;
 use super::passes::probe::{Probe, ProbePass};
 use super::passes::shade;
-use super::passes::shadow::ShadowPass;
+use super::passes::shadow::{ShadowPass, WantedMaps};
 use super::source::Source;
 use super::target::{self, Target};
 use crate::error::{Error, Result};
@@ -498,14 +499,17 @@ impl Renderer {
             object.frame.write(&block)?;
         }
         if let Some(shadow_pass) = &mut self.shadow_pass {
-            let place = |light| (LightPass::place_of(light), block.lights[LightPass::place_of(light)]);
-            let maps = pass.numbers().map(place).map(|(place, light)| (place, light.shadow_from_world));
-            shadow_pass.select(
-                &self.device,
-                &self.objects,
-                view.shadow_sphere(size).side(),
-                maps.collect(),
-            )?;
+            let chosen = pass.choices.is_some();
+            let places = if chosen {
+                (0..LIGHT_SLOTS).collect()
+            } else {
+                pass.numbers().map(|n| pass.place_of(n)).collect::<Vec<_>>()
+            };
+            let maps =
+                places.into_iter().map(|place| (place, block.lights[place].shadow_from_world)).collect();
+            let sphere = view.shadow_sphere(size);
+            let side = if chosen { sphere.side_of_many() } else { sphere.side() };
+            shadow_pass.select(&self.device, &self.objects, WantedMaps { chosen, side, maps })?;
         }
         self.shadings.prepare(&self.device, &self.objects, self.gbuffer.settings, (view, pass))?;
         self.block_input = Some(PassInput { view: view.clone(), pass: *pass, size });

@@ -38,6 +38,13 @@ impl ShadowSphere {
         rounded.clamp(SMALLEST, LARGEST).round() as u32
     }
 
+    /// Returns the side of the depth maps of many directions, each of which gives a small part of the light \[texels\].
+    pub fn side_of_many(&self) -> u32 {
+        /// 32 maps of this side take 32 MiB.
+        const LARGEST_OF_MANY: u32 = 512;
+        self.side().min(LARGEST_OF_MANY)
+    }
+
     /// Returns the width of a map of parallel light.
     fn diameter(&self) -> f32 {
         2.0 * ROOM * self.radius.max(f32::MIN_POSITIVE)

@@ -206,6 +206,7 @@ impl Environment {
             irradiance: (irradiance * (self.placement.exposure.exp2() * f64::from(count) / (PI * samples)))
                 .as_vec3(),
             variance: (wider * (spread + of_pixel) / samples).min(LARGEST_VARIANCE),
+            mean: middle.length(),
         }
     }
 

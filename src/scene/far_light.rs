@@ -86,11 +86,15 @@ impl FarLight {
     /// Returns the sample at `point` (uniform in 0 … 1) of `count` samples. The map of Shirley and Chiu (1997) spreads the directions
     /// evenly over a disc around the light's centre and keeps neighbours together. Each sample has four times the variance of its part of
     /// the disc. The disc of the directions is smaller by as much, so that all samples together have the variance of the light. Up to four
-    /// samples are all at the centre.
+    /// samples are all at the centre. Samples that faced the surface would each give the whole disc's irradiance over the mean of its
+    /// cosines.
     pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
         let centre = direction(self.theta, self.phi);
         let share = (WIDER / f64::from(count.max(1))).min(1.0);
-        let cap = (1.0 - (0.5 * self.size).to_radians().cos()) * (1.0 - share);
+        let disc = 1.0 - (0.5 * self.size).to_radians().cos();
+        let cap = disc * (1.0 - share);
+        // The cosine to the centre is spread evenly over a cap.
+        let mean_of = |cap: f64| 1.0 - 0.5 * cap;
         let (radius, angle) = concentric(point);
         let height = radius * radius * cap; // 1 − cos α
         let sine = (height * (2.0 - height)).max(0.0).sqrt();
@@ -99,8 +103,9 @@ impl FarLight {
         Incident {
             direction,
             place: None,
-            irradiance: Vec3::splat(self.intensity as f32),
+            irradiance: Vec3::splat((self.intensity / mean_of(disc)) as f32),
             variance: self.variance() * share,
+            mean: mean_of(disc) / mean_of(cap),
         }
     }
 

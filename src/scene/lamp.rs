@@ -179,6 +179,7 @@ impl Lamp {
             place: Some(LampPoint { point: place, emits }),
             irradiance: Vec3::splat((self.radiance(room) * self.outline() / PI) as f32),
             variance,
+            mean: 1.0,
         }
     }
 

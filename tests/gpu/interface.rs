@@ -38,12 +38,13 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             index: 54,
             count: 55,
             seed: 56,
-            padding: [0; 2],
+            turn: 57,
+            parts: 58,
         };
         expected.extend([frame.base_color, frame.grooves]);
         frame.surroundings = vector();
         expected.push(frame.surroundings);
-        expected.extend([[51.0, 52.0, 53.0, 54.0], [55.0, 56.0, 0.0, 0.0]]);
+        expected.extend([[51.0, 52.0, 53.0, 54.0], [55.0, 56.0, 57.0, 58.0]]);
         for light in &mut frame.lights {
             (light.toward, light.emitter, light.irradiance) = (vector(), vector(), vector());
             expected.extend([light.toward, light.emitter, light.irradiance]);

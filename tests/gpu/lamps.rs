@@ -63,7 +63,7 @@ fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
             let sample = Sampling { count: 16, seed: 3 }.sample(5);
             let still = diffract::render::sampling::Sample { jitter: [0.0; 2], ..sample };
             for number in 0..lights {
-                let incident = view.incident(&LightPass::of_all(number, still));
+                let incident = view.incidents(&LightPass::of_all(number, still))[0];
                 let seen = renderer.directions_of(&view, number, &still).unwrap();
                 for (i, found) in seen.light.iter().enumerate().filter(|(_, found)| found[3] == 1.0) {
                     let at = point(&view, i);
@@ -73,7 +73,7 @@ fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
                     };
                     let direction = Vec3::new(found[0], found[1], found[2]).as_dvec3();
                     assert!((direction - toward).length() < 2e-4, "{number} at {at}: {direction}, {toward}");
-                    let found = seen.irradiance(i) / seen.irradiance;
+                    let found = seen.irradiance(i) / incident.irradiance.as_dvec3();
                     assert!((found - falloff).abs().max_element() < 2e-3 * falloff, "{number} at {at}");
                 }
             }
@@ -99,6 +99,43 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
                 eprintln!("{text}: {found:.4}, {exact:.4}");
                 assert!((found / exact - 1.0).abs() < 0.015, "{text} at pixel {i}: {found}, {exact}");
             }
+        }
+    });
+}
+
+#[test]
+fn a_white_floor_is_white_under_discs_and_under_any_number_of_samples_of_white_surroundings() {
+    let white = |text: &str| {
+        let (mesh, mut view) =
+            floor(text.split_whitespace().map(|light| Light::parse(light).unwrap()).collect());
+        view.environment = text.is_empty().then(|| Environment::of(&|_| Vec3::ONE));
+        (mesh, view)
+    };
+    with_device(|device| {
+        let optics = Optics { reflectance: 1.0.into(), ..Optics::default() };
+        let source = Source::ClassicalGrating(ClassicalGrating::default());
+        // Of a floor that faces up, the parts of the surroundings at one height are equally bright.
+        for (text, count, spread) in [
+            ("disc:60deg:0,0,1", 1, 1e-6),
+            ("disc:60deg:0,0,1", 16, 1e-6),
+            ("disc:120deg:0,0,1", 64, 1e-6),
+            ("", 1, 1e-6),
+            ("", 2, 0.01),
+            ("", 4, 0.01),
+            ("", 16, 0.01),
+            ("", 64, 0.01),
+        ] {
+            let (mesh, view) = white(text);
+            let mut renderer =
+                crate::renderer(device, &source, &optics, &mesh, &Pigment::white(), SIZE).unwrap();
+            let picture =
+                renderer.render(&view, &Sampling { count, seed: 4 }, SHOWN, &mut |_| Ok(())).unwrap();
+            let pixels = picture.radiance.iter().map(|pixel| f64::from(pixel[1]));
+            let number = picture.radiance.len() as f64;
+            let mean = pixels.clone().sum::<f64>() / number;
+            let deviation = (pixels.map(|pixel| (pixel - mean).powi(2)).sum::<f64>() / number).sqrt();
+            eprintln!("'{text}', {count} samples: {mean:.4} ± {deviation:.4}");
+            assert!((mean - 1.0).abs() < 0.01 && deviation < spread, "'{text}', {count} samples");
         }
     });
 }
@@ -219,7 +256,8 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
                 }
             }
             eprintln!("{count} samples: {apart} apart, {thin:?} covered by less than one");
-            assert!(count == 1 || thin[0] > 100, "{count} samples: {} pixels of less than one", thin[0]);
+            // Two samples lie close to the middle of the pixel and have weight for it alone.
+            assert!(count <= 2 || thin[0] > 100, "{count} samples: {} pixels of less than one", thin[0]);
             assert!(50 * thin[1] <= thin[0], "{count} samples: {thin:?} pixels of less than one are others");
             assert!(behind > 4000, "{count} samples: {behind} pixels of the surroundings");
             assert!(apart < expected.len() / 500, "{count} samples: {apart} pixels are others");
@@ -233,7 +271,13 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
                     .is_none()
             );
             assert!(renderer.display(size, shown).unwrap());
-            assert!(renderer.read_back().unwrap() == picture, "another view is behind {count} samples");
+            let again = renderer.read_back().unwrap();
+            let codes = again.display.iter().flatten().zip(picture.display.iter().flatten());
+            let moved = codes.map(|(one, other)| one.abs_diff(*other)).max().unwrap();
+            assert!(
+                again.radiance == picture.radiance && moved <= 1,
+                "another view is behind {count} samples"
+            );
             // Before a colour again.
             let plain = View { shows_surroundings: false, ..view.clone() };
             let picture = renderer.render(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();

@@ -16,6 +16,8 @@ pub struct LightRun {
     pub lamp: bool,
     /// True if the lights cast shadows.
     pub shadows: bool,
+    /// True if each pixel chooses one of the directions of the light.
+    pub chosen: bool,
 }
 
 impl LightRun {
@@ -26,18 +28,20 @@ impl LightRun {
     }
 
     /// Returns the constants of `light.glsl` and `shade.frag`.
-    pub fn constants(self) -> [Constant; 5] {
+    pub fn constants(self) -> [Constant; 6] {
         const MIRRORED: u32 = 3;
         const LAMP: u32 = 4;
         const SHADOWS: u32 = 5;
         const FIRST_LIGHT: u32 = 6;
         const LIGHTS: u32 = 7;
+        const CHOSEN: u32 = 8;
         [
             Constant::new(MIRRORED, self.mirrored),
             Constant::new(LAMP, self.lamp),
             Constant::new(SHADOWS, self.shadows),
             Constant::new(FIRST_LIGHT, self.first),
             Constant::new(LIGHTS, self.lights),
+            Constant::new(CHOSEN, self.chosen),
         ]
     }
 }

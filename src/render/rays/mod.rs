@@ -83,18 +83,24 @@ impl<'a> RayScene<'a> {
     /// Casts the rays of `pass` of `view`.
     pub fn directions(&self, view: &View, pass: &LightPass, settings: &RaySettings) -> Directions {
         let mirrors = settings.specular_spread.is_some() && view.is_surroundings(pass.light);
+        let incidents = view.incidents(pass);
+        let slot = |pixel: usize| {
+            let width = settings.size[0] as usize;
+            pass.choices.map_or(0, |choices| choices.slot([pixel % width, pixel / width].map(|n| n as u32)))
+        };
         let frame = RayFrame {
             scene: self,
             view,
             pass,
             settings,
-            incident: view.incident(pass),
+            incident: incidents[0],
             eye: view.camera.eye().as_dvec3(),
             mirrored: view.environment.as_ref().filter(|_| mirrors),
         };
         let count = settings.size[0] as usize * settings.size[1] as usize;
+        let of_pixel = |pixel| RayFrame { incident: incidents[slot(pixel) as usize], ..frame };
         let seen: Vec<Option<SeenPixel>> =
-            (0..count).into_par_iter().map(|pixel| frame.pixel(pixel)).collect();
+            (0..count).into_par_iter().map(|pixel| of_pixel(pixel).pixel(pixel)).collect();
         let of_all = |wanted: bool| if wanted { seen.as_slice() } else { &[] };
         let unit = |v: DVec3| v.as_vec3().extend(1.0).to_array();
         let each = |of: fn(&SeenPixel) -> DVec3| {
@@ -109,7 +115,8 @@ impl<'a> RayScene<'a> {
             view: each(|pixel| pixel.view),
             footprints: some(of_all(settings.footprints), |pixel| pixel.footprint),
             filter: pass.sample.footprint,
-            irradiance: frame.incident.irradiance.as_dvec3(),
+            chosen: (0..count).filter(|_| incidents.len() > 1).map(|pixel| slot(pixel) as u8).collect(),
+            incidents,
             falloffs: some(of_all(view.has_lamps()), |pixel| pixel.falloff),
             mirrored: some(of_all(mirrors), |pixel| pixel.mirrored),
             objects: some(of_all(self.objects.len() > 1), |pixel| pixel.object),

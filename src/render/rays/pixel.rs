@@ -6,6 +6,7 @@ use super::triangles::{Ray, Triangle};
 use super::{RayObject, RayScene, RaySettings};
 use crate::render::frame::View;
 use crate::render::light_passes::LightPass;
+use crate::scene::incident::mean_cosine;
 use crate::scene::{Environment, Incident};
 use glam::{DVec2, DVec3};
 
@@ -25,7 +26,8 @@ pub(super) struct SeenPixel {
     pub object: u8,
 }
 
-/// Rays of one pass.
+/// Rays of one pass at pixels with the same light sample.
+#[derive(Clone, Copy)]
 pub(super) struct RayFrame<'a> {
     /// Objects.
     pub scene: &'a RayScene<'a>,
@@ -101,7 +103,7 @@ impl RayFrame<'_> {
         let seen = self.directions_at(&place, face.back);
         let change = self.change(pixel, &face);
         Some(SeenPixel {
-            light: if self.in_shadow(&place, triangle) { DVec3::NEG_Z } else { seen.light },
+            light: if self.in_shadow(&place, &face) { DVec3::NEG_Z } else { seen.light },
             view: self.to_viewer(seen.view, change.as_ref()),
             footprint: self.footprint(&place, &seen, change.as_ref()).map(|x| x as f32),
             falloff: self.incident.place.map_or(1.0, |lamp| lamp.falloff(place.position)) as f32,
@@ -158,16 +160,25 @@ impl RayFrame<'_> {
         let uu = right.x.powi(2) + down.x.powi(2) + variance * (1.0 - l.x * l.x);
         let uv = right.x * right.y + down.x * down.y - variance * l.x * l.y;
         let vv = right.y.powi(2) + down.y.powi(2) + variance * (1.0 - l.y * l.y);
+        if self.pass.choices.is_some() {
+            // A direction stands for a part of the surroundings whose outline is not known: its footprint is round.
+            let radius = (0.5 * (uu + vv)).sqrt();
+            return [radius, 0.0, 0.0, radius];
+        }
         let u = uu.sqrt();
         let v = uv / u;
         [u, v, 0.0, (vv - v * v).max(0.0).sqrt()]
     }
 
     /// Tells if an object blocks the light between `place`, on `triangle`, and the light.
-    fn in_shadow(&self, place: &SurfacePlace, triangle: &Triangle) -> bool {
+    fn in_shadow(&self, place: &SurfacePlace, face: &Face<'_>) -> bool {
         let ray = Ray { origin: place.position, direction: self.to_light(place.position) };
-        let end = if self.incident.place.is_some() { 1.0 } else { f64::MAX };
-        self.settings.shadows && self.scene.triangles.blocked(&ray, end, triangle)
+        let is_lamp = self.incident.place.is_some();
+        let end = if is_lamp { 1.0 } else { f64::MAX };
+        let facing = face.normal.dot(ray.direction);
+        // Where the middle of the light is behind the surface, the part beside it that shines on the surface is not.
+        let is_beside = !is_lamp && facing <= 0.0 && mean_cosine(facing, self.incident.mean) > 0.0;
+        self.settings.shadows && !is_beside && self.scene.triangles.blocked(&ray, end, face.triangle)
     }
 
     /// Returns the radiance of the surroundings in the mirrored direction as the geometry pass computes it, if

@@ -126,7 +126,7 @@ impl Renderer {
             if *covered { unprojected([*x, *y]) } else { [0.0; 4] }
         };
         let facing = self.read(&self.gbuffer.facing, part)?;
-        let mirrored = if self.shadings.run_of(view, pass.light).mirrored {
+        let mirrored = if self.shadings.run_of(view, pass.light, pass).mirrored {
             let read = kept(self.read(&of_light.mirrored, part)?);
             read.into_iter().map(|[red, green, blue, _]| [red, green, blue]).collect()
         } else {
@@ -138,12 +138,25 @@ impl Renderer {
             view: facing.iter().zip(&covered).map(|(stored, covered)| view_of(stored, covered)).collect(),
             footprints: kept(self.read(&of_light.footprints, part)?),
             filter: pass.sample.footprint,
-            irradiance: view.incident(pass).irradiance.as_dvec3(),
-            falloffs: if view.has_lamps() { light.iter().map(|[.., w]| *w).collect() } else { Vec::new() },
+            incidents: view.incidents(pass),
+            chosen: self.chosen(pass, part),
+            falloffs: light.iter().map(|[.., w]| *w).collect(),
             light: light.iter().zip(&covered).map(|([x, y, z, _], c)| [*x, *y, *z, is_covered(c)]).collect(),
             mirrored,
             objects: self.objects_seen(part)?,
         })
+    }
+
+    /// Returns the number of the light sample of each pixel of `part` in `pass`; empty if there is one.
+    fn chosen(&self, pass: &LightPass, part: PictureArea) -> Vec<u8> {
+        let Some(choices) = pass.choices else { return Vec::new() };
+        let [width, height] = self.gbuffer.size();
+        let all = || (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        let slot = |pixel| choices.slot(pixel) as u8;
+        match part {
+            PictureArea::All => all().map(slot).collect(),
+            PictureArea::Pixel(at) => vec![slot(at)],
+        }
     }
 
     /// Returns the object number of each pixel of `part`, from 0; empty if there is one object.
@@ -162,7 +175,7 @@ impl Renderer {
     /// Draws the directions of a `pass` of `view`, and the G-buffer unless it is up to date.
     fn draw_directions(&mut self, view: &View, pass: &LightPass) -> Result<()> {
         self.write(view, self.target.size(), pass)?;
-        let run = self.shadings.run_of(view, pass.light);
+        let run = self.shadings.run_of(view, pass.light, pass);
         let of_light = match &mut self.light_directions {
             Some(there) => there,
             none => none.insert(LightDirections::new(&self.device, self.gbuffer.size())?),

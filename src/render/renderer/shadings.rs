@@ -115,7 +115,8 @@ impl Shadings {
     /// Returns the largest number of loop iterations of a pixel in `pass` of `view`.
     pub fn iterations(&self, view: &View, pass: &LightPass) -> usize {
         let mirrors = self.mirrors(view, pass);
-        let of = |entry: &ObjectShading| entry.source.iterations_of_pixel(mirrors) * pass.lights;
+        let lights = pass.choices.map_or(pass.lights, |choices| choices.taken as usize);
+        let of = |entry: &ObjectShading| entry.source.iterations_of_pixel(mirrors) * lights;
         self.all.iter().map(of).max().unwrap_or(0)
     }
 
@@ -126,17 +127,18 @@ impl Shadings {
 
     /// Returns true if `pass` of `view` mirrors surroundings.
     fn mirrors(&self, view: &View, pass: &LightPass) -> bool {
-        pass.numbers().any(|light| self.run_of(view, light).mirrored)
+        pass.numbers().any(|light| self.run_of(view, light, pass).mirrored)
     }
 
-    /// Returns the run of light number `light` of `view` alone.
-    pub fn run_of(&self, view: &View, light: usize) -> LightRun {
+    /// Returns the run of light number `light` of a `pass` of `view` alone.
+    pub fn run_of(&self, view: &View, light: usize, pass: &LightPass) -> LightRun {
         LightRun {
-            first: LightPass::place_of(light) as u32,
-            lights: 1,
+            first: pass.place_of(light) as u32,
+            lights: pass.choices.map_or(1, |choices| choices.taken),
             mirrored: view.is_surroundings(light) && self.mirrors_surroundings(),
             lamp: view.lights.get(light).is_some_and(Light::is_lamp),
             shadows: self.shadows,
+            chosen: pass.choices.is_some(),
         }
     }
 
@@ -168,7 +170,7 @@ impl Shadings {
         view: &View,
         pass: &LightPass,
     ) -> Vec<ShadedObject<'a>> {
-        let first = LightPass::place_of(pass.light) as u32;
+        let first = pass.place_of(pass.light) as u32;
         let mut draws = Vec::new();
         for entry in &self.all {
             draws.extend(self.runs(view, pass, entry).into_iter().map(|run| ShadedObject {
@@ -191,7 +193,7 @@ impl Shadings {
             if !self.shades(entry, view.illuminant(light)) {
                 continue;
             }
-            let alone = self.run_of(view, light);
+            let alone = self.run_of(view, light, pass);
             match runs.last_mut() {
                 Some(run) if run.is_continued_by(alone) => run.lights += 1,
                 _ => runs.push(alone),
