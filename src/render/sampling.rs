@@ -25,8 +25,9 @@ const BOX_VARIANCE: f64 = 1.0 / 12.0;
 /// This value was the best of those measured at 16 and at 64 samples
 /// (docs/decisions/0016-samples-count-for-neighbouring-pixels.md).
 const SHARED_SAMPLES: f64 = 2.0;
-/// Number of samples below which K is larger, [`SHARED_SAMPLES`] (MANY_SAMPLES − 1)/(N − 1): a few samples average their own
-/// noise badly, and the footprint of a single one has the whole filter.
+/// Number of samples below which K is larger, [`SHARED_SAMPLES`] ((MANY_SAMPLES − 1)/(N − 1))²: a few samples average their own
+/// noise badly, and the footprint of a single one has the whole filter. With the first power the errors of a sphere grow from
+/// two to four samples (docs/decisions/0025-pixels-choose-among-directions.md).
 const MANY_SAMPLES: f64 = 16.0;
 /// Bits of a point of the sequence.
 const BITS: u32 = u32::BITS;
@@ -77,8 +78,8 @@ impl Sampling {
     #[must_use]
     pub fn with_large_footprints(&self) -> Self {
         // Where (N − 1)/K is 1.
-        const HALF: f64 = SHARED_SAMPLES * (MANY_SAMPLES - 1.0);
-        Self { count: self.count.min(HALF.sqrt() as u32 + 1), ..*self }
+        const HALF: f64 = SHARED_SAMPLES * (MANY_SAMPLES - 1.0) * (MANY_SAMPLES - 1.0);
+        Self { count: self.count.min(HALF.cbrt() as u32 + 1), ..*self }
     }
 
     /// Returns σ_f: the standard deviation of the part of the pixel filter that shading averages over \[pixels\].
@@ -89,7 +90,7 @@ impl Sampling {
     /// Returns the variance of the filter that the footprint leaves to the positions of the samples \[pixel²\].
     fn rest(&self) -> f64 {
         let others = f64::from(self.count.max(1) - 1);
-        let of_k = others / SHARED_SAMPLES * (others / (MANY_SAMPLES - 1.0)).min(1.0);
+        let of_k = others / SHARED_SAMPLES * (others / (MANY_SAMPLES - 1.0)).min(1.0).powi(2);
         FILTER_VARIANCE * of_k / (1.0 + of_k)
     }
 }
@@ -227,9 +228,9 @@ mod tests {
     fn one_sample_has_the_whole_filter_and_more_have_less_of_it() {
         let shares = [
             (1, 1.0),
-            (2, 30.0 / 31.0),
-            (6, 30.0 / 55.0),
-            (7, 30.0 / 66.0),
+            (2, 450.0 / 451.0),
+            (8, 450.0 / 793.0),
+            (9, 450.0 / 962.0),
             (16, 2.0 / 17.0),
             (4095, 2.0 / 4096.0),
         ];
@@ -239,7 +240,7 @@ mod tests {
             assert!((footprint(&sampling) - 0.25 * share).abs() < 1e-15, "{count}");
             assert_eq!(sampling.sample(count - 1).footprint, sampling.footprint());
             let large = sampling.with_large_footprints();
-            assert!((footprint(&large) - 0.25 * share.max(30.0 / 55.0)).abs() < 1e-15, "{count}");
+            assert!((footprint(&large) - 0.25 * share.max(450.0 / 793.0)).abs() < 1e-15, "{count}");
         }
         let only = Sampling::ONE.sample(0);
         assert_eq!((only.jitter, only.weights()), ([0.0; 2], PixelWeights::OWN));
@@ -295,7 +296,7 @@ mod tests {
 
     #[test]
     fn the_filters_of_all_pixels_add_up_to_one_everywhere_and_have_the_variance_that_footprints_leave() {
-        for count in [2, 4, 6, 8, 16, 64, 1024] {
+        for count in [2, 4, 8, 12, 16, 64, 1024] {
             let sampling = Sampling { count, seed: 0 };
             const STEPS: usize = 300_000;
             let places = || (0..STEPS).map(|i| 3.0 * (i as f64 + 0.5) / STEPS as f64 - 1.5);
