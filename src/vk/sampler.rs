@@ -57,12 +57,15 @@ impl Sampler {
         Self::new(device, name, &info)
     }
 
-    /// Makes a sampler of the nearest texel, which integer images require.
+    /// Makes a sampler of the nearest texel, as integer images require, that clamps coordinates to the edge.
     ///
     /// # Errors
     /// Fails if Vulkan reports an error.
     pub fn nearest(device: &Arc<Device>, name: &str) -> Result<Self> {
-        Self::new(device, name, &vk::SamplerCreateInfo::default())
+        let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
+        let info =
+            vk::SamplerCreateInfo::default().address_mode_u(edge).address_mode_v(edge).address_mode_w(edge);
+        Self::new(device, name, &info)
     }
 
     fn new(device: &Arc<Device>, name: &str, info: &vk::SamplerCreateInfo<'_>) -> Result<Self> {
