@@ -5,8 +5,8 @@
 //! surroundings, with four times their weight.
 //!
 //! A sample draws the surroundings from many directions at once: each pixel takes one of them, and another in each pass.
-//! What a single direction lights and shadows would be a pattern over the whole picture; so it is fine noise, which the
-//! samples and the pixel filter average.
+//! The light and the shadow of a single direction would be a pattern over the whole picture; so they are fine noise, which
+//! the samples and the pixel filter average.
 
 use super::frame_set::{LIGHT_SLOTS, MOST_LIGHTS};
 use super::sampling::{Sample, Sampling, hash};

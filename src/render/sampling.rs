@@ -77,7 +77,7 @@ impl Sampling {
     /// half of the filter's variance.
     #[must_use]
     pub fn with_large_footprints(&self) -> Self {
-        // Where (N − 1)/K is 1.
+        // Cube of N − 1 where (N − 1)/K is 1.
         const HALF: f64 = SHARED_SAMPLES * (MANY_SAMPLES - 1.0) * (MANY_SAMPLES - 1.0);
         Self { count: self.count.min(HALF.cbrt() as u32 + 1), ..*self }
     }

@@ -176,7 +176,7 @@ impl RayFrame<'_> {
         let is_lamp = self.incident.place.is_some();
         let end = if is_lamp { 1.0 } else { f64::MAX };
         let facing = face.normal.dot(ray.direction);
-        // Where the middle of the light is behind the surface, the part beside it that shines on the surface is not.
+        // A light whose middle is behind the surface shines on it with the part beside.
         let is_beside = !is_lamp && facing <= 0.0 && mean_cosine(facing, self.incident.mean) > 0.0;
         self.settings.shadows && !is_beside && self.scene.triangles.blocked(&ray, end, face.triangle)
     }
