@@ -19,9 +19,9 @@ pub trait EnergyLimit: Debug + Send + Sync {
     fn colour(&self, pair: &Pair, illuminant: &Illuminant) -> f64;
 }
 
-/// Directions above the surface on a square of [`Self::SIDE`]² points, ends included. A direction stands at (x, y)/√((1
-/// + √z)(1 + z)), whose distance from the middle is √(1 − √cos θ): points are dense near the horizon, where albedos
-/// change most. Points beyond the horizon stand for the nearest direction above it.
+/// Directions above the surface on a square of [`Self::SIDE`]² points, ends included. A direction stands at
+/// (x, y)/√((1 + √z)(1 + z)), whose distance from the middle is √(1 − √cos θ): points are dense near the horizon, where
+/// albedos change most. Points beyond the horizon stand for the nearest direction above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DirectionGrid;
 

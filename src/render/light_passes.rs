@@ -51,7 +51,7 @@ impl Choices {
     fn new(pass: u32, passes: u32, seed: u64) -> Self {
         let slots = LIGHT_SLOTS as u32;
         // A whole number of slots.
-        let turned = hash(&[seed, 2]) as u32 % slots << (u32::BITS - slots.trailing_zeros());
+        let turned = (hash(&[seed, 2]) as u32 % slots) << (u32::BITS - slots.trailing_zeros());
         let turn = (pass * TAKEN % slots).reverse_bits().wrapping_add(turned);
         // A pixel takes a direction of each part, at places of the parts that are evenly apart, too.
         let parts = (passes * TAKEN).min(slots).ilog2();

@@ -27,7 +27,6 @@ pub(super) struct SeenPixel {
 }
 
 /// Rays of one pass at pixels with the same light sample.
-#[derive(Clone, Copy)]
 pub(super) struct RayFrame<'a> {
     /// Objects.
     pub scene: &'a RayScene<'a>,
