@@ -17,7 +17,7 @@ int slot_of(ivec2 pixel, int number) {
     return int(((place >> frame.at.parts) + turn) >> (32 - findMSB(LIGHT_SLOTS)));
 }
 
-// Returns the share of four texels of depth map number `map` around `place` \[texels\] that are at least as far from the light
+// Returns the share of four texels of depth map number `map` around `place` [texels] that are at least as far from the light
 // as `depth`, weighed by the distance from their centres.
 float share_lit(sampler2DArray maps, vec2 place, int map, float depth) {
     vec2 size = vec2(textureSize(maps, 0).xy);
@@ -65,8 +65,8 @@ float falloff(SurfacePoint at, Light light) {
 }
 
 // Returns the share of the light that reaches the point past the surfaces in depth map number `map`, that of the light: 0 or
-// 1 but within a texel of the edge of a shadow. The depth bias covers the depth change of the surface within a texel of
-// the map, and rounding.
+// 1 but within a texel of the edge of a shadow. The depth bias covers the depth change of the surface within the four
+// texels that are compared, and rounding.
 float visibility(SurfacePoint at, Light light, int map) {
     const float ROUNDING = 2e-5, STEEPEST = 30.0, TEXEL = 3.0; // TEXEL: the diagonal of the four, with a margin for curved surfaces
     vec3 toward = toward_light(at, light);

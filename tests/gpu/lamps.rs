@@ -114,7 +114,7 @@ fn a_white_floor_is_white_under_discs_and_under_any_number_of_samples_of_white_s
     with_device(|device| {
         let optics = Optics { reflectance: 1.0.into(), ..Optics::default() };
         let source = Source::ClassicalGrating(ClassicalGrating::default());
-        // Of a floor that faces up, the parts of the surroundings at one height are equally bright.
+        // Deviations are small: parts of the surroundings at one height light a floor that faces up equally.
         for (text, count, spread) in [
             ("disc:60deg:0,0,1", 1, 1e-6),
             ("disc:60deg:0,0,1", 16, 1e-6),
