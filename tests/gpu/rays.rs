@@ -250,6 +250,27 @@ fn a_camera_that_stands_a_hundredth_aside_is_seen() {
 }
 
 #[test]
+fn each_pixel_takes_the_direction_of_the_sky_that_its_ray_takes() {
+    let mut case = Case::new("sphere", &[]);
+    case.view.environment = Some(Environment::open("sky").unwrap());
+    let rays = RayScene::new(vec![case.object()]);
+    let group = case.view.schedule(&Sampling { count: 4, seed: 2 }).after(0);
+    with_device(|device| {
+        let mut renderer = case.renderer(device);
+        for pass in group.passes.iter().flat_map(|pass| pass.each_light()) {
+            let found = renderer.directions_in(&case.view, &pass).unwrap();
+            let exact = rays.directions(&case.view, &pass, &case.settings());
+            // Neighbouring pixels have other directions, so that a pixel with that of another is far off.
+            assert_near(&case, &found, &exact, [0.02, 0.05]);
+            let mut slots = found.chosen.clone();
+            slots.sort_unstable();
+            slots.dedup();
+            assert!(found.chosen == exact.chosen && slots.len() > 1, "{slots:?}");
+        }
+    });
+}
+
+#[test]
 fn shadows_fall_where_rays_to_the_light_are_blocked() {
     let mut case = Case::new("plate", &["30,200,1", "sphere:0.2:-0.8,0.3,1.5,30"]);
     case.name = "floor below a roof";
