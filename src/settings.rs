@@ -103,7 +103,7 @@ impl Optics {
             )),
             (Method::Table, Windows::All) if self.tolerance < LEAST_TABLE_TOLERANCE => Err(Error::usage(
                 format!(
-                    "colours of a table err by about 1e-3 whatever the tolerance; the least that it keeps is {:e}",
+                    "a table has 16-bit floats: the least tolerance that it keeps is {:e}",
                     LEAST_TABLE_TOLERANCE
                 ),
                 match self.purpose {
