@@ -175,8 +175,11 @@ mod tests {
     #[test]
     fn values_within_a_limit_of_energy_are_those_without_it_over_the_excess_of_either_direction() {
         let silver = Material::from_name_or_file("silver").unwrap();
-        let heights = (0..400).map(|i| 0.06 * (f64::from(i) * 0.618_034).fract()).collect();
-        let field = HeightField::new(20, 20, [0.1; 2], heights).unwrap();
+        // A sinusoid of period 0.6 µm, which is deep and short, so that the theory would make much light, and noise, so that all orders have some.
+        let height = |i: u32| {
+            0.1 * (std::f64::consts::TAU * f64::from(i % 20) / 10.0).sin() + 0.05 * (f64::from(i) * 0.618_034).fract()
+        };
+        let field = HeightField::new(20, 20, [0.06; 2], (0..400).map(height).collect()).unwrap();
         let mean = MeanBrdf { reflectance: Reflectance::of_material(silver, None), ..mean(&field) };
         let pairs = pairs(40);
         let found = MeanReference::new(mean.clone(), &Illuminant::D65, 0.4).spectral(&pairs, 0.5).unwrap();
@@ -187,9 +190,9 @@ mod tests {
             let free = mean.brdf(pair, 0.5);
             let limit = albedo.single(pair, 0.5);
             assert!((found * limit - free).abs() <= 1e-3 * free, "{found} {limit} {free}");
-            limited += usize::from(limit > 1.005);
+            limited += usize::from(limit > 1.01);
         }
-        assert!(limited > 0, "no direction is limited");
+        assert!(limited > 5, "{limited} directions are limited");
     }
 
     /// Returns patches of 8 × 8 samples, whose orders are fourteen standard deviations of the blur apart: rough, and of
