@@ -177,7 +177,8 @@ mod tests {
         let silver = Material::from_name_or_file("silver").unwrap();
         // A sinusoid of period 0.6 µm, which is deep and short, so that the theory would make much light, and noise, so that all orders have some.
         let height = |i: u32| {
-            0.1 * (std::f64::consts::TAU * f64::from(i % 20) / 10.0).sin() + 0.05 * (f64::from(i) * 0.618_034).fract()
+            0.1 * (std::f64::consts::TAU * f64::from(i % 20) / 10.0).sin()
+                + 0.05 * (f64::from(i) * 0.618_034).fract()
         };
         let field = HeightField::new(20, 20, [0.06; 2], (0..400).map(height).collect()).unwrap();
         let mean = MeanBrdf { reflectance: Reflectance::of_material(silver, None), ..mean(&field) };

@@ -3,6 +3,7 @@
 
 use super::brdf::{cosine_weighted, per_factor};
 use super::geometry::Pair;
+use super::material::LARGEST_INDEX;
 use super::polarisation::Polarisation;
 use super::reflectance::Reflectance;
 use super::small_slope::{Incidence, intensity};
@@ -102,6 +103,7 @@ impl IndexTriple {
 
     /// Returns true if the numbers can be those of a material.
     pub fn is_sound(&self) -> bool {
-        self.n.iter().all(|n| n.is_finite() && *n > 0.0) && self.k.iter().all(|k| k.is_finite() && *k >= 0.0)
+        self.n.iter().all(|n| *n > 0.0 && *n <= LARGEST_INDEX)
+            && self.k.iter().all(|k| (0.0..=LARGEST_INDEX).contains(k))
     }
 }

@@ -7,6 +7,8 @@ use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::Path;
 
+/// Number that is larger than n and k of every material in visible light.
+pub const LARGEST_INDEX: f64 = 100.0;
 /// Built-in materials; `assets/materials/README.md` names the sources.
 pub const BUILT_IN: [&str; 8] =
     ["glass", "keratin", "aluminium", "silver", "gold", "copper", "nickel", "silicon"];
@@ -113,9 +115,7 @@ impl Material {
                 "give it from 380 to 780 nm",
             ));
         }
-        /// Larger than n and k of every material in visible light.
-        const LARGEST: f64 = 100.0;
-        let sane = |[n, k]: [f64; 2]| n > 0.0 && n <= LARGEST && (0.0..=LARGEST).contains(&k);
+        let sane = |[n, k]: [f64; 2]| n > 0.0 && n <= LARGEST_INDEX && (0.0..=LARGEST_INDEX).contains(&k);
         if !table.all(sane) {
             return Err(Error::failed(
                 "a refractive index is not within 0 to 100, or an extinction coefficient is negative",

@@ -162,6 +162,17 @@ mod tests {
         for path in ["/specular/variances", "/specular/weights", "/specular/weights/2", "/basis/cubics"] {
             assert!(!with(path, json!([])), "{path}");
         }
+        for path in ["/indices/n/1", "/energy/7/1"] {
+            assert!(with(path, json!(0.5)), "{path}");
+            for value in [json!(-1.0), json!(null), json!("1"), json!(1e300)] {
+                assert!(!with(path, value.clone()), "{path} {value}");
+            }
+        }
+        for (path, value) in
+            [("/indices/k/0", json!(-0.1)), ("/indices/n", json!([1.5])), ("/energy", json!([[1.0, 1.0]]))]
+        {
+            assert!(!with(path, value), "{path}");
+        }
         assert!(!with("/basis/cubics/7/1/2", json!(1e300)));
         assert!(!with("/specular/weights/1/5/2", json!(1e300)) && !with("/grid/finest", json!(-1.0)));
         for place in [0, payload.len() - 2] {
