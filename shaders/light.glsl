@@ -12,9 +12,11 @@ layout(set = 0, binding = 10) uniform sampler2DArray sky_shadow; // from each di
 
 // Returns the direction number `number` of the light that the pixel takes: `Choices::slot` of src/render/light_passes.rs.
 int slot_of(ivec2 pixel, int number) {
-    uint turn = frame.at.turn + bitfieldReverse(uint(number));
-    uint place = uint(pixel.x) * 3242174889u + uint(pixel.y) * 2447445414u + turn;
-    return int(((place >> frame.at.parts) + turn) >> (32 - findMSB(LIGHT_SLOTS)));
+    uint turn = frame.at.turn ^ bitfieldReverse(uint(number));
+    uint x = uint(pixel.x), y = uint(pixel.y), checks = x ^ y;
+    uint rank = (checks & 1u) << 31 | (y & 1u) << 30 | (checks & 2u) << 28 | (y & 2u) << 27 | (checks & 4u) << 25 | (y & 4u) << 24;
+    rank = (bitCount(turn) & 1) == 1 ? ~rank : rank;
+    return int(((rank >> frame.at.parts) ^ turn) >> (32 - findMSB(LIGHT_SLOTS)));
 }
 
 // Returns the share of four texels of depth map number `map` around `place` [texels] that are at least as far from the light
