@@ -144,8 +144,8 @@ void main() {
     bool back = dot(world_normal, normal) < 0.0;
     vec3 turned = back ? vec3(1.0, -1.0, -1.0) : vec3(1.0);
     direction = normalize(turned * direction);
-    // The cosine is bounded from below by its change over the filter that shading averages over: the BRDF divides by the
-    // cosine, and a single sample at a silhouette would outshine all others.
+    // The cosine is bounded from below by its change over the filter that shading averages over: Stam's factor divides by
+    // the cosine, and a single sample at a silhouette would outshine all others.
     float spread = frame.at.footprint * length(vec2(dFdxFine(direction.z), dFdyFine(direction.z)));
     direction.z = direction.z > 0.0 && spread > direction.z ? min(spread, 1.0) : direction.z;
     const float LEFT_HANDED = 4.0; // of `gbuffer.glsl`
