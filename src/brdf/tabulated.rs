@@ -7,7 +7,7 @@ use super::mean::MeanBrdf;
 use super::seen_part::SeenPart;
 use super::spread::{CUT, NEAREST, Spread};
 use crate::budget::ErrorBudget;
-use crate::error::Result;
+use crate::error::{Error, Remedy, Result};
 use crate::filter::Covariance;
 use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
@@ -66,6 +66,9 @@ impl ColourSampling {
     }
 }
 
+/// Largest number of terms in z, each of which takes a transform of the field: heights that span 250 µm in visible light.
+const MOST_TERMS: usize = 4096;
+
 /// Mean with the power of every order as a Chebyshev series in z. Its power differs from the direct sum by less than
 /// 1e-5.
 pub struct TabulatedMean<'a> {
@@ -81,7 +84,7 @@ impl<'a> TabulatedMean<'a> {
     /// Tabulates the powers of all orders of `mean` for wavelengths from `shortest` \[µm\].
     ///
     /// # Errors
-    /// Fails if there is not enough memory, or with the error of `progress`.
+    /// Heights that need more than [`MOST_TERMS`] terms, too little memory, or the error of `progress`.
     pub fn new(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
         Self::with_sampling(mean, shortest, ColourSampling::EXACT, progress)
     }
@@ -99,6 +102,16 @@ impl<'a> TabulatedMean<'a> {
         let MeanBrdf { field, sigma, beyond, .. } = mean;
         let settings = PowerSettings { shortest, ..PowerSettings::new(sigma, beyond, 0.0) };
         let terms = Self::terms(field, shortest);
+        if terms > MOST_TERMS {
+            let (low, high) = field.range();
+            return Err(Error::failed(
+                format!(
+                    "heights that span {:.1} um need {terms} terms in z, more than {MOST_TERMS}",
+                    high - low
+                ),
+                [Remedy::Words("check the height and its unit".into()), Remedy::ReferenceMethod],
+            ));
+        }
         let [x, y] = mean.blur().variance;
         let grid = OrderGrid::new(field, 2.0 / shortest, CUT * x.max(y).sqrt());
         let transform = Transform::new(field, grid, beyond);
@@ -125,8 +138,8 @@ impl<'a> TabulatedMean<'a> {
         progress: Progress<'_>,
     ) -> Result<Option<Arc<DirectionalAlbedo>>> {
         /// Most terms of the series in z: heights of 60 µm in visible light.
-        const MOST_TERMS: usize = 1024;
-        if !mean.reflectance.is_limited() || Self::terms(mean.field, shortest) > MOST_TERMS {
+        const MOST_OF_LIMIT: usize = 1024;
+        if !mean.reflectance.is_limited() || Self::terms(mean.field, shortest) > MOST_OF_LIMIT {
             return Ok(None);
         }
         Ok(Some(Arc::new(Self::new(mean, shortest, progress)?.albedo(Decimation::Fine))))

@@ -2,6 +2,7 @@
 
 use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::say;
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::files::Files;
@@ -65,13 +66,24 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let table = QueryTable::read(&arguments.queries)?;
     if table.single_wavelengths {
         check_single_wavelengths(arguments.optics.method())?;
+        evaluation::check_no_spectrum(&arguments.colour)?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
     let mut values = vec![DVec3::ZERO; table.queries.len()];
     let shortest =
         table.queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min);
+    for wavelength in table.queries.iter().filter_map(|query| query.wavelength) {
+        optics.reflectance.check_range(wavelength, wavelength)?;
+    }
     let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
+    let below = table.queries.iter().filter(|query| !query.pair.above_horizon()).count();
+    if below > 0 {
+        let all = table.queries.len();
+        say(&format_args!(
+            "{below} of {all} queries have a direction at or below the horizon (theta of 90 degrees and more): their BRDF is 0"
+        ));
+    }
     let groups = table.by_wavelength();
     prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
         let bar = evaluation::bar(table.queries.len());
@@ -117,6 +129,12 @@ impl QueryTable {
             *place = column(name)?.ok_or_else(|| bad(1, format!("there is no column {name}")))?;
         }
         let wavelength_column = column(WAVELENGTH)?;
+        if let Some(name) = header.iter().find(|name| resembles(name)) {
+            return Err(Error::failed(
+                format!("line 1: the column `{name}` is not {WAVELENGTH}"),
+                format!("do you mean `{WAVELENGTH}`? Otherwise rename the column"),
+            ));
+        }
         for answer in answers(wavelength_column.is_some()) {
             if header.iter().any(|name| name == answer) {
                 return Err(Error::failed(
@@ -182,6 +200,13 @@ impl QueryTable {
         }
         table.text()
     }
+}
+
+/// Returns true for a name that is probably a misspelt [`WAVELENGTH`].
+fn resembles(name: &str) -> bool {
+    /// Number of letters by which a misspelt name differs.
+    const LETTERS: usize = 3;
+    name != WAVELENGTH && strsim::damerau_levenshtein(&name.to_lowercase(), WAVELENGTH) <= LETTERS
 }
 
 /// Returns the names of the added columns.

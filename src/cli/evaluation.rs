@@ -1,5 +1,6 @@
 //! Evaluation in `eval`, `brdf` and `peaks`: limits of the input, and the progress bar.
 
+use super::options::{ColourOptions, DEFAULT_ILLUMINANT};
 use super::prepare;
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
@@ -59,6 +60,17 @@ pub fn check_single_wavelengths(method: Method) -> Result<()> {
     Err(Error::usage(
         "--method table holds colours, summed over the spectrum, and no single wavelength",
         "use --method spectral or --method reference",
+    ))
+}
+
+/// Fails if the options name a spectrum for the colours of single wavelengths.
+pub fn check_no_spectrum(colour: &ColourOptions) -> Result<()> {
+    if colour.illuminant == DEFAULT_ILLUMINANT {
+        return Ok(());
+    }
+    Err(Error::usage(
+        "--illuminant is the spectrum of a colour, and a single wavelength has none",
+        "leave out the illuminant or the wavelength",
     ))
 }
 

@@ -37,6 +37,8 @@ const TOLERANCES: (f64, f64) = (1e-6, 1.0);
 const MAX_TERMS: usize = 128;
 /// Smallest and largest number of wavelengths.
 const WAVELENGTHS: (usize, usize) = (4, 4096);
+/// Spectrum of the light unless another one is named.
+pub const DEFAULT_ILLUMINANT: &str = "d65";
 /// Range of refractive indices: those of real materials, with a margin.
 const IORS: (f64, f64) = (1.0, 10.0);
 /// Range of coherence lengths of a window \[µm\]: from less than a wavelength to a laser's.
@@ -220,7 +222,7 @@ pub struct ColourOptions {
     #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
     pub wavelengths: Option<usize>,
     /// Spectrum of the light: d65, a, e, led, or a CSV file of wavelength in nm and power
-    #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
+    #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_ILLUMINANT)]
     pub illuminant: OsString,
 }
 

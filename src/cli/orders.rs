@@ -3,7 +3,6 @@
 use super::evaluation;
 use super::options::{ReflectanceOptions, SurfaceOptions, real};
 use super::prepare;
-use super::verbosity::detail;
 use super::{say, write};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
@@ -12,9 +11,12 @@ use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::optics::coherence::Beyond;
 use crate::optics::geometry::{angles, direction};
+use crate::optics::reflectance::Reflectance;
+use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::scene::FarLight;
 use crate::setup;
 use crate::surface::HeightField;
+use crate::surface::statistics::Relief;
 use clap::Args;
 use glam::DVec3;
 use std::ffi::OsString;
@@ -32,8 +34,8 @@ which the heights repeat, m along x and n along y: (u, v) = (m wavelength/Tx, n 
 The answer is CSV, a row for each order above the horizon: wavelength [nm]; m and n; theta_r and phi_r, its \
 direction [degrees]; efficiency, the share of the incident light that it takes; reflectance, with which Stam's factor \
 would give the efficiency, by --theory stam R at the half vector; period [nm] of the grating whose first order it is, \
-1/sqrt((m/Tx)^2 + (n/Ty)^2), empty for the specular order. Efficiencies are those of scalar theory; `surface info` \
-says by how much they err. -v prints their sum.
+1/sqrt((m/Tx)^2 + (n/Ty)^2), empty for the specular order. stderr has the sum of the efficiencies and, because they are \
+those of scalar theory, by how much they err.
 
 Examples:
   diffract orders blaze --light 30,0 --wavelength 550nm
@@ -100,9 +102,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let light = direction(arguments.light.theta, arguments.light.phi);
     let mut table = write::Csv::new();
     table.row(["wavelength", "m", "n", "theta_r", "phi_r", "efficiency", "reflectance", "period"])?;
+    let (relief, reflectance) = (Relief::of(&field)?, arguments.surface_reflectance.of_surface(None));
     for &wavelength in &arguments.wavelength {
-        let orders = orders(&cell, arguments, light, wavelength)?;
-        tell(&orders, arguments.least, &cell, wavelength);
+        reflectance.check_range(wavelength, wavelength)?;
+        let orders = orders(&cell, &reflectance, light, wavelength)?;
+        let told = Sums::of(&orders, arguments.least);
+        let theory = ScalarTheory::new(relief, &reflectance, LightColour::Wavelength(wavelength));
+        told.tell(&cell, &format!("{:.1} nm", wavelength * NM_PER_UM), &theory);
         for order in orders.iter().filter(|order| is_written(order, arguments.least)) {
             table.row(cells(order, wavelength))?;
         }
@@ -113,14 +119,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// Returns the orders of `cell`, with a progress bar.
 fn orders(
     cell: &HeightField,
-    arguments: &Arguments,
+    reflectance: &Reflectance,
     light: DVec3,
     wavelength: f64,
 ) -> Result<Vec<DiffractionOrder>> {
-    let reflectance = arguments.surface_reflectance.of_surface(None);
     let bar = prepare::progress_bar("orders");
     let progress = |done, of| prepare::show(&bar, "orders", done, of);
-    let orders = MeanBrdf::in_sunlight(cell, reflectance).orders(light, wavelength, &progress)?;
+    let orders = MeanBrdf::in_sunlight(cell, reflectance.clone()).orders(light, wavelength, &progress)?;
     bar.finish_and_clear();
     Ok(orders)
 }
@@ -130,25 +135,55 @@ fn is_written(order: &DiffractionOrder, least: f64) -> bool {
     order.efficiency > 0.0 && order.efficiency >= least
 }
 
-/// Tells the share of the light that all `orders` take, and that of those below `least`.
-fn tell(orders: &[DiffractionOrder], least: f64, cell: &HeightField, wavelength: f64) {
-    let lit = orders.iter().filter(|order| order.efficiency > 0.0);
-    let (written, fainter): (Vec<_>, Vec<_>) = lit.partition(|order| is_written(order, least));
-    let sum = |orders: &[&DiffractionOrder]| orders.iter().map(|order| order.efficiency).sum::<f64>();
-    let [x, y] = cell.patch_size();
-    let faint = match fainter.len() {
-        0 => String::new(),
-        count => format!("; {count} below {least:e} are left out, {:.1e} together", sum(&fainter)),
-    };
-    if let Some(note) = excess_note(orders.iter().map(|order| order.limit).fold(1.0, f64::max)) {
-        say(&format_args!("{:.1} nm: {note}", wavelength * NM_PER_UM));
+/// Sums over the orders of one wavelength.
+struct Sums {
+    /// Number of orders that are written, and their efficiency.
+    written: (usize, f64),
+    /// Number of orders with less light than that, and their efficiency.
+    fainter: (usize, f64),
+    /// Smallest efficiency of an order that is written.
+    least: f64,
+    /// Largest divisor by which the theory is limited.
+    limit: f64,
+}
+
+impl Sums {
+    /// Returns the sums over `orders`, of which those with an efficiency of `least` or more are written.
+    fn of(orders: &[DiffractionOrder], least: f64) -> Self {
+        let lit = orders.iter().filter(|order| order.efficiency > 0.0);
+        let (written, fainter): (Vec<_>, Vec<_>) = lit.partition(|order| is_written(order, least));
+        let sum = |orders: &[&DiffractionOrder]| {
+            (orders.len(), orders.iter().map(|order| order.efficiency).sum::<f64>())
+        };
+        let limit = orders.iter().map(|order| order.limit).fold(1.0, f64::max);
+        Self { written: sum(&written), fainter: sum(&fainter), least, limit }
     }
-    detail(&format_args!(
-        "{:.1} nm: {} orders of a cell of {x:.4} x {y:.4} um take {:.4} of the light{faint}",
-        wavelength * NM_PER_UM,
-        written.len(),
-        sum(&written)
-    ));
+
+    /// Tells the share of the light of this `wavelength` that the orders of `cell` take, and by how much they err.
+    fn tell(&self, cell: &HeightField, wavelength: &str, theory: &ScalarTheory) {
+        /// Sum above 1 that is more than rounding.
+        const ABOVE_ONE: f64 = 1.0 + 1e-6;
+        let [x, y] = cell.patch_size();
+        let (count, share) = self.written;
+        let faint = match self.fainter {
+            (0, _) => String::new(),
+            (fainter, share) => {
+                format!("; {fainter} below {:e} are left out, {share:.1e} together", self.least)
+            }
+        };
+        say(&format_args!(
+            "{wavelength}: {count} orders of a cell of {x:.4} x {y:.4} um take {share:.4} of the light{faint}"
+        ));
+        if share + self.fainter.1 > ABOVE_ONE {
+            say(&format_args!(
+                "{wavelength}: this is more light than falls on the surface, because the theory does not hold here; `--theory small-slope` is limited to what a flat surface reflects"
+            ));
+        }
+        if let Some(note) = excess_note(self.limit) {
+            say(&format_args!("{wavelength}: {note}"));
+        }
+        say(&format_args!("{wavelength}: scalar theory: {}", theory.line()));
+    }
 }
 
 /// Returns the cells of a row.

@@ -54,6 +54,9 @@ pub struct MaterialDescription {
     pub errors: MeasuredErrors,
     /// Size and check sum of each other file.
     pub files: BTreeMap<String, FileSum>,
+    /// BLAKE3 of the text of `material.json` with zeros in place of these 64 hexadecimal digits; empty in version 1.
+    #[serde(default)]
+    pub description_blake3: String,
 }
 
 /// Height field of an export.
@@ -118,6 +121,9 @@ impl SurfaceFacts {
     }
 }
 
+/// Digits in place of the check sum of a description while it is computed.
+const BLANK_SUM: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+
 /// Names and meanings of the conventions.
 const CONVENTIONS: [(&str, &str); 7] = [
     (
@@ -180,7 +186,35 @@ impl MaterialDescription {
             table_bytes: material.table.bytes(),
             errors: material.conformance.errors(),
             files: BTreeMap::new(),
+            description_blake3: BLANK_SUM.to_owned(),
         }
+    }
+
+    /// Returns the text of `material.json`, with its check sum.
+    ///
+    /// # Errors
+    /// Text that cannot be written.
+    pub(super) fn to_text(&self) -> serde_json::Result<String> {
+        let blank = Self { description_blake3: BLANK_SUM.to_owned(), ..self.clone() };
+        let text = serde_json::to_string_pretty(&blank)? + "\n";
+        let sum = FileSum::new(text.as_bytes()).blake3;
+        Ok(text.replacen(BLANK_SUM, &sum, 1))
+    }
+
+    /// Fails unless the check sum is that of `text`, from which the description was read.
+    fn check_sum(&self, text: &str) -> Result<()> {
+        if self.version == OLDEST && self.description_blake3.is_empty() {
+            return Ok(());
+        }
+        let is_sum = self.description_blake3.len() == BLANK_SUM.len();
+        let blank = text.replacen(&self.description_blake3, BLANK_SUM, 1);
+        if is_sum && FileSum::new(blank.as_bytes()).blake3 == self.description_blake3 {
+            return Ok(());
+        }
+        Err(Error::failed(
+            "its check sum is not that of its text: it was changed or damaged",
+            "export the material again",
+        ))
     }
 
     /// Fails unless the export serves `field` under `asked`: the same surface, light and reflectance, at most the tolerance and the smallest footprint.
@@ -246,6 +280,7 @@ impl MaterialDescription {
         match value["version"].as_u64() {
             Some(OLDEST..=VERSION) => {
                 let mut found: Self = serde_json::from_value(value).map_err(broken)?;
+                found.check_sum(text)?;
                 found.name_theory();
                 Ok(found)
             }

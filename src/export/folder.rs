@@ -109,7 +109,8 @@ pub fn write(
     add(SHADER_ES, shader::write(header, ShaderLanguage::GlslEs).into_bytes())?;
     add(SHADER_WGSL, translation::write_wgsl(header)?.into_bytes())?;
     add(SHADER_HLSL, translation::write_hlsl(header)?.into_bytes())?;
-    put(&draft.path().join(MATERIAL), &json(description)?, folder)?;
+    let text = description.to_text().map_err(|e| not_written(&e))?;
+    put(&draft.path().join(MATERIAL), text.as_bytes(), folder)?;
     give_name(draft, folder)
 }
 
@@ -142,11 +143,13 @@ fn give_name(draft: tempfile::TempDir, folder: &Path) -> Result<()> {
 
 fn json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
     let text = serde_json::to_vec_pretty(value);
-    let mut text = text.map_err(|e| {
-        Error::failed(format!("the description cannot be written ({e})"), "report this as a bug of diffract")
-    })?;
+    let mut text = text.map_err(|e| not_written(&e))?;
     text.push(b'\n');
     Ok(text)
+}
+
+fn not_written(e: &serde_json::Error) -> Error {
+    Error::failed(format!("the description cannot be written ({e})"), "report this as a bug of diffract")
 }
 
 /// Reads an export.
@@ -324,6 +327,11 @@ mod tests {
             *bytes = text.replace("\"version\": 2", "\"version\": 3").into_bytes();
         });
         assert!(e.contains("version 3") && e.contains("newer program"), "{e}");
+        let length = fs::read(folder.join(MATERIAL)).unwrap().len();
+        for place in (0..length).step_by(7) {
+            let e = reason(MATERIAL, &|bytes| bytes[place] ^= 1);
+            assert!(e.contains(MATERIAL) || e.contains("it is no description"), "byte {place}: {e}");
+        }
         export(&folder).unwrap();
         fs::remove_file(folder.join(TEXELS)).unwrap();
         let e = ExportReader::open(&folder).unwrap().check().unwrap_err().to_string();

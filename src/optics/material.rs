@@ -49,8 +49,12 @@ enum Index {
 /// Schott N-BK7: coefficients of the data sheet.
 const BK7: [[f64; 2]; 3] =
     [[1.039_612_12, 0.006_000_698_67], [0.231_792_344, 0.020_017_914_4], [1.010_469_45, 103.560_653]];
+/// Range of wavelengths that the data sheet of N-BK7 tabulates \[µm\].
+const SELLMEIER_RANGE: [f64; 2] = [0.31, 2.325];
 /// Keratin (Leertouwer, Wilts, Stavenga 2011).
 const KERATIN: [f64; 2] = [1.532, 0.005_890];
+/// Range of wavelengths of keratin's formula, which was measured in visible light \[µm\].
+const CAUCHY_RANGE: [f64; 2] = [SHORTEST, LONGEST];
 
 impl Material {
     /// Returns a transparent material of refractive index `n` at all wavelengths.
@@ -103,6 +107,7 @@ impl Material {
     /// # Errors
     /// Same as [`Self::from_name_or_file`].
     pub fn from_text(name: &str, text: &str) -> Result<Self> {
+        check_columns(text)?;
         let of_three = SpectralTable::<2>::parse(text);
         let table = of_three.or_else(|e| {
             let of_two = SpectralTable::<1>::parse(text).map_err(|_| e)?;
@@ -130,6 +135,39 @@ impl Material {
         if let Index::Constant(n) = self.index { Some(n) } else { None }
     }
 
+    /// Returns the shortest and the longest wavelength for which the index is known \[µm\].
+    pub fn range(&self) -> [f64; 2] {
+        match &self.index {
+            Index::Constant(_) => [0.0, f64::INFINITY],
+            Index::Sellmeier(_) => SELLMEIER_RANGE,
+            Index::Cauchy(_) => CAUCHY_RANGE,
+            Index::Table(table) => table.ends().map(|nm| nm / NM_PER_UM),
+        }
+    }
+
+    /// Fails unless the index is known from `shortest` to `longest` \[µm\].
+    ///
+    /// # Errors
+    /// A wavelength beyond the table or the range of the formula.
+    pub fn check_range(&self, shortest: f64, longest: f64) -> Result<()> {
+        /// Rounding of a wavelength that went through another unit.
+        const ROUNDING: f64 = 1e-9;
+        let [first, last] = self.range();
+        if shortest >= first * (1.0 - ROUNDING) && longest <= last * (1.0 + ROUNDING) {
+            return Ok(());
+        }
+        let asked = NM_PER_UM * if shortest < first { shortest } else { longest };
+        Err(Error::usage(
+            format!(
+                "the refractive index of {} is known from {:.0} to {:.0} nm, and not at {asked:.1} nm",
+                self.name,
+                first * NM_PER_UM,
+                last * NM_PER_UM
+            ),
+            "take another wavelength, a file with --material FILE, or one index with --ior N",
+        ))
+    }
+
     /// Returns n + ik at `wavelength` \[µm\].
     pub fn index(&self, wavelength: f64) -> Complex64 {
         let squared = wavelength * wavelength;
@@ -148,6 +186,23 @@ impl Material {
             }
         }
     }
+}
+
+/// Fails if the first line of `text` names columns in another order than wavelength, n, k.
+fn check_columns(text: &str) -> Result<()> {
+    let first = text.trim_start_matches('\u{feff}').lines().next().unwrap_or_default();
+    // A unit may follow the name, as in `wavelength [nm]`.
+    let name = |cell: &str| cell.split_whitespace().next().unwrap_or_default().to_ascii_lowercase();
+    let names: Vec<String> = first.split(',').map(name).collect();
+    let is_at =
+        |place: usize, known: &str| names.iter().position(|name| name == known).is_none_or(|p| p == place);
+    if is_at(1, "n") && is_at(2, "k") && is_at(0, "wavelength") {
+        return Ok(());
+    }
+    Err(Error::failed(
+        format!("line 1: the columns are {}", names.join(", ")),
+        "write the columns wavelength (nm), n and k, in this order",
+    ))
 }
 
 #[cfg(test)]

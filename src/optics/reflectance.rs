@@ -315,6 +315,17 @@ impl Reflectance {
         sum / total
     }
 
+    /// Fails unless the material's index is known from `shortest` to `longest` \[µm\].
+    ///
+    /// # Errors
+    /// Those of [`Material::check_range`].
+    pub fn check_range(&self, shortest: f64, longest: f64) -> Result<()> {
+        match self {
+            Self::Schlick(_) => Ok(()),
+            Self::Fresnel { material, .. } => material.check_range(shortest, longest),
+        }
+    }
+
     /// Returns n + ik of the material at `wavelength` \[µm\].
     pub fn index_at(&self, wavelength: f64) -> Complex64 {
         match self {

@@ -6,6 +6,9 @@ use crate::error::{Error, Remedy, Result};
 /// a few gigabytes of memory.
 pub const MAX_SIDE: usize = 16_384;
 
+/// Largest height above or below zero: a metre \[µm\]. No scan has it, and counts of terms that follow from heights stay small numbers.
+const LARGEST_HEIGHT: f64 = 1e6;
+
 /// Heights on a regular grid. Row 0 is the top of a height image: `x` grows along a row, `y` grows UP, so row 0 has
 /// the largest `y`. The origin is the patch centre; samples sit at cell centres.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +24,7 @@ impl HeightField {
     ///
     /// # Errors
     /// An empty or oversized grid, a length of `heights` that is not `columns * rows`, a spacing that is not finite and
-    /// positive, a height that is not finite.
+    /// positive, a height that is not finite or more than a metre.
     pub fn new(columns: usize, rows: usize, pixel_size: [f64; 2], heights: Vec<f64>) -> Result<Self> {
         check_size(columns, rows)?;
         if heights.len() != columns * rows {
@@ -40,6 +43,12 @@ impl HeightField {
             return Err(Error::failed(
                 format!("the height at column {}, row {} is not a number", i % columns, i / columns),
                 "fill holes in the scan before use",
+            ));
+        }
+        if let Some(height) = heights.iter().find(|h| h.abs() > LARGEST_HEIGHT) {
+            return Err(Error::failed(
+                format!("a height of {height:e} um is more than a metre"),
+                [Remedy::Words("check the unit of the heights".into())],
             ));
         }
         Ok(Self { columns, rows, pixel_size, heights })

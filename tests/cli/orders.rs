@@ -91,7 +91,7 @@ fn orders_of_a_sinusoid_take_squared_bessel_functions_in_and_out_of_its_plane() 
     let sandbox = Sandbox::new().without_vulkan();
     for (theta, phi) in [(0.0, 0.0), (45.0, 0.0), (60.0, 30.0), (75.0, 120.0)] {
         let light = format!("{theta},{phi}");
-        let arguments = ["orders", "sinusoid", "--light", &light, "--wavelength", "550nm"];
+        let arguments = ["orders", "-q", "sinusoid", "--light", &light, "--wavelength", "550nm"];
         let csv = sandbox.run2(&arguments, &["--wavelength", "650nm", "--theory", "stam"]).done();
         let found = rows(&csv);
         let light = direction(theta, phi);
@@ -126,7 +126,7 @@ fn by_default_orders_have_the_factor_of_the_small_slope_approximation_and_add_up
     let light = direction(60.0, 0.0);
     let of = |more: &[&str]| {
         let arguments =
-            ["orders", "sinusoid", "--light", "60,0", "--wavelength", "550nm", "--height", "20nm"];
+            ["orders", "-q", "sinusoid", "--light", "60,0", "--wavelength", "550nm", "--height", "20nm"];
         rows(&sandbox.run2(&arguments, more).done())
     };
     let (small_slope, stam) = (of(&[]), of(&["--theory", "stam"]));
@@ -148,17 +148,23 @@ fn by_default_orders_have_the_factor_of_the_small_slope_approximation_and_add_up
         let arguments =
             ["orders", "bumps", "--light", "80,20", "--wavelength", "550nm", "--material", "silver"];
         let outcome = sandbox.run2(&arguments, more);
-        rows(&outcome.stdout).values().map(|order| order.efficiency).sum::<f64>()
+        let sum: f64 = rows(&outcome.stdout).values().map(|order| order.efficiency).sum();
+        let told = format!("take {sum:.4} of the light");
+        assert!(outcome.stderr.contains(&told), "{told}: {}", outcome.stderr);
+        (sum, outcome.stderr)
     };
-    let (limited, free) = (sum(&[]), sum(&["--theory", "stam"]));
+    let ((limited, why), (free, warned)) = (sum(&[]), sum(&["--theory", "stam"]));
     assert!(limited <= 1.0 && limited > 0.8 && free > 1.2, "{limited} {free}");
+    let above = "more light than falls on the surface";
+    assert!(warned.contains(above) && !why.contains(above) && why.contains("is limited"), "{warned}{why}");
+    assert!(why.contains("550.0 nm: scalar theory: not known: RMS slopes in two directions"), "{why}");
 }
 
 #[test]
 fn orders_of_a_blaze_lean_to_the_side_of_its_facets() {
     let sandbox = Sandbox::new().without_vulkan();
     // The limit of energy of the default theory has words of its own.
-    let arguments = ["orders", "blaze", "--light", "0,0", "--wavelength", "550nm", "--theory", "stam"];
+    let arguments = ["orders", "-q", "blaze", "--light", "0,0", "--wavelength", "550nm", "--theory", "stam"];
     let found = rows(&sandbox.run(arguments).done());
     let order = |m: i64| found[&(550, m, 0)];
     assert!(order(1).efficiency > 100.0 * order(-1).efficiency, "{:?} {:?}", order(1), order(-1));
@@ -220,7 +226,7 @@ fn orders_of_crossed_sinusoids_are_products_and_their_reflectance_is_schlicks() 
 fn all_orders_together_take_what_the_material_reflects() {
     let sandbox = Sandbox::new().without_vulkan();
     let sum = |surface: &str, light: &str, more: &[&str]| {
-        let arguments = ["orders", surface, "--light", light, "--wavelength", "550nm"];
+        let arguments = ["orders", "-q", surface, "--light", light, "--wavelength", "550nm"];
         let found = rows(&sandbox.run2(&arguments, more).done());
         found.values().map(|order| order.efficiency / order.reflectance).sum::<f64>()
     };
@@ -230,7 +236,7 @@ fn all_orders_together_take_what_the_material_reflects() {
         let all = sum("sinusoid", "0,0", &["--height", height, "--theory", "stam"]);
         assert!((all - 1.0).abs() < allowed, "{height}: {all}");
     }
-    let flat = ["orders", "flat", "--light", "0,0", "--wavelength", "550nm", "--material"];
+    let flat = ["orders", "-q", "flat", "--light", "0,0", "--wavelength", "550nm", "--material"];
     let silver = rows(&sandbox.run2(&flat, &["silver"]).done())[&(550, 0, 0)];
     let glass = rows(&sandbox.run2(&flat, &["glass"]).done())[&(550, 0, 0)];
     assert!(silver.efficiency > 0.9 && (0.03..0.06).contains(&glass.efficiency), "{silver:?} {glass:?}");
@@ -251,9 +257,9 @@ fn a_patch_whose_edges_do_not_meet_is_told_and_lights_that_are_no_direction_are_
     assert!(outcome.stderr.contains("edges of the patch do not meet"), "{}", outcome.stderr);
     assert!(rows(&outcome.stdout).len() > 20);
     for light in ["90,0", "sun:30,0", "30,0,2"] {
-        let arguments = ["orders", "blaze", "--wavelength", "550nm", "--light", light];
+        let arguments = ["orders", "-q", "blaze", "--wavelength", "550nm", "--light", light];
         assert!(sandbox.run(arguments).refused(2).contains("no direction of light"), "{light}");
     }
-    let told = sandbox.run("orders blaze -v --light 0,0 --wavelength 550nm --least 1e-2".split(' '));
+    let told = sandbox.run("orders blaze --light 0,0 --wavelength 550nm --least 1e-2".split(' '));
     assert!(told.stderr.contains("550.0 nm: ") && told.stderr.contains("are left out"), "{}", told.stderr);
 }

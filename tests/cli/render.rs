@@ -240,8 +240,8 @@ fn options_change_the_picture() {
         assert!(change > 1e-6, "{more:?} changes nothing");
     }
     for same in [
-        &["--light", "35,-50,2", "--environment", "sky"][..],
-        &["--environment", "sky"],
+        &["--light", "disc:3deg:35,-50,2", "--environment", "sky", "--environment-exposure", "-0.5"][..],
+        &["--environment", "sky", "--environment-exposure", "-0.5"],
         &["--illuminant", "d65"],
         &["--ior", "1.5"],
         &["--level", "none"],
@@ -439,14 +439,16 @@ fn exposure_changes_the_png_and_not_the_exr() {
 fn a_tone_changes_the_png_and_not_the_exr_and_wins_over_the_scene() {
     let sandbox = Sandbox::with_small_surface();
     let plate = include_str!("../../assets/scenes/plate.toml");
-    sandbox.write("soft.toml", format!("tone = \"neutral\"\n{plate}"));
+    let tone = "tone = \"neutral\"\n";
+    assert!(plate.contains(tone));
+    sandbox.write("hard.toml", plate.replace(tone, ""));
     let bright = ["--exposure", "2"];
     for (scene, name, more) in [
-        ("plate", "plain", &[][..]),
-        ("plate", "none", &["--tone", "none"]),
-        ("plate", "neutral", &["--tone", "neutral"]),
-        ("soft.toml", "of-scene", &[]),
-        ("soft.toml", "named", &["--tone", "none"]),
+        ("hard.toml", "plain", &[][..]),
+        ("hard.toml", "none", &["--tone", "none"]),
+        ("hard.toml", "neutral", &["--tone", "neutral"]),
+        ("plate", "of-scene", &[]),
+        ("plate", "named", &["--tone", "none"]),
     ] {
         for output in [format!("{name}.png"), format!("{name}.exr")] {
             render(&sandbox, scene, &output, &[&bright, more].concat());

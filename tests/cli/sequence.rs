@@ -150,7 +150,7 @@ fn one_automatic_exposure_serves_all_pictures_whichever_part_is_drawn() {
     assert!(sandbox.read("sun-0002.png") == whole, "a part of the sequence is another sequence");
     // Another tone and an exposure that is named make other sequences.
     let sweep = ["--light", "40,10,2", "--light-sweep", "3", "-o", "sun.png"];
-    for more in [&["--exposure", "auto", "--tone", "neutral"][..], &["--exposure", "0"], &[]] {
+    for more in [&["--exposure", "auto", "--tone", "none"][..], &["--exposure", "0"], &[]] {
         render(&sandbox, &[&sweep[..], more].concat()).refused(2);
     }
 }

@@ -90,7 +90,8 @@ fn coherence_is_a_window_or_repeats() {
 
 #[test]
 fn lights_and_exposure_and_level_act_on_the_picture() {
-    let viewer = Viewer::open(&[&["plate"][..], &LARGE].concat());
+    let plate = ["plate", "--tone", "none", "--light", "40,180,2", "--environment", "sky"];
+    let viewer = Viewer::open(&[&plate[..], &LARGE].concat());
     let stops = viewer.drag("exposure", 0, 24);
     let (first, _) = viewer.shows_number("--exposure", &stops);
     viewer.press("neutral");

@@ -41,6 +41,9 @@ impl HemisphereMap {
         if optics.method == Method::Reference && directions > MANY_SUMS {
             say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
         }
+        if let Some(wavelength) = arguments.wavelength {
+            optics.reflectance.check_range(wavelength, wavelength)?;
+        }
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
         let mut pixels = vec![[0.0; 4]; count as usize];
         // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.

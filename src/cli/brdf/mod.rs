@@ -120,6 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     if arguments.wavelength.is_some() {
         ways.iter().try_for_each(|optics| evaluation::check_single_wavelengths(optics.method()))?;
+        evaluation::check_no_spectrum(&arguments.colour)?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {

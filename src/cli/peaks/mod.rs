@@ -19,6 +19,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use sweep::{AngleSweep, independent_windows};
 
+/// Nanometres in a micrometre.
+const NM_PER_UM: f64 = 1e3;
 /// Largest number of evaluations: a software device makes them in minutes.
 const MAX_EVALUATIONS: usize = 50_000_000;
 /// Number of evaluations by the direct sum from which a warning is shown: minutes on a patch of 65 µm.
@@ -128,7 +130,6 @@ fn theta_i(text: &str) -> Result<f64> {
 }
 
 fn wavelengths(text: &str) -> Result<Range> {
-    const NM_PER_UM: f64 = 1e3;
     let (low, high) = evaluation::WAVELENGTHS;
     Range::parse(text, (low * NM_PER_UM, high * NM_PER_UM), "wavelengths in nm")
 }
@@ -197,6 +198,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let optics = arguments.optics.for_wavelengths(&field)?;
+    for nanometres in arguments.wavelengths.values() {
+        let wavelength = nanometres / NM_PER_UM;
+        optics.reflectance.check_range(wavelength, wavelength)?;
+    }
     let (sweep, alone) = AngleSweep::of(arguments, &optics, &field)?;
     let mut found = searched(arguments, &sweep);
     let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
