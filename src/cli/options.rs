@@ -325,9 +325,16 @@ fn basis(text: &str) -> Result<Basis> {
     named.ok_or_else(|| Error::usage(format!("there is no basis `{text}`"), "give taylor or optimal"))
 }
 
-/// Parses a relative error.
+/// Parses a relative error, as in `1e-2` or `1%`.
 pub fn tolerance(text: &str) -> Result<f64> {
-    real(text, TOLERANCES, "tolerance")
+    const PERCENT: f64 = 100.0;
+    match text.trim().strip_suffix('%') {
+        Some(number) => {
+            let (least, most) = TOLERANCES;
+            real(number, (PERCENT * least, PERCENT * most), "tolerance in percent").map(|x| x / PERCENT)
+        }
+        None => real(text, TOLERANCES, "tolerance"),
+    }
 }
 
 fn terms(text: &str) -> Result<usize> {
@@ -394,10 +401,10 @@ mod tests {
 
     #[test]
     fn values_without_meaning_are_refused_and_others_kept() {
-        for bad in ["", "nan", "inf", "0", "-1", "2", "x", "1e-9"] {
+        for bad in ["", "nan", "inf", "0", "-1", "2", "x", "1e-9", "%", "0%", "101%", "1 %%"] {
             assert!(tolerance(bad).is_err(), "tolerance {bad}");
         }
-        assert_eq!(tolerance("1e-3").unwrap(), 1e-3);
+        assert_eq!(["1e-3", "1%", " 0.5 %"].map(|text| tolerance(text).unwrap()), [1e-3, 1e-2, 5e-3]);
         for bad in ["0", "-1", "1.5", "999", "x", ""] {
             assert!(terms(bad).is_err(), "terms {bad}");
         }

@@ -15,6 +15,7 @@ use super::{Mesh, Progress};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::surface::SurfaceSource;
+use crate::surface::files::EXTENSIONS;
 use crate::surface::synth::SurfaceKind;
 use crate::units;
 use glam::Vec3;
@@ -150,10 +151,7 @@ impl Scene {
                 scene.files.push(path.to_owned());
                 Ok(scene)
             }
-            _ => Err(Error::usage(
-                format!("there is no scene `{}`", name.display()),
-                format!("give one of {} or a .toml or .obj file", BUILT_IN.map(|b| b.0).join(", ")),
-            )),
+            _ => Err(no_scene(name, &extension)),
         }
     }
 
@@ -289,6 +287,22 @@ fn objects(
         objects.push(Object::ground(color.into(), bounds, z)?);
     }
     Ok((objects, bounds))
+}
+
+/// Returns the error for a `name` that is no scene. That of a surface has its own remedy.
+fn no_scene(name: &OsStr, extension: &str) -> Error {
+    let is_kind = name.to_str().and_then(SurfaceKind::from_name).is_some();
+    if is_kind || EXTENSIONS.contains(&extension) {
+        let name = name.display();
+        return Error::usage(
+            format!("`{name}` is a surface and no scene"),
+            format!("name a scene, and the surface by --surface {name}, as in sphere --surface {name}"),
+        );
+    }
+    Error::usage(
+        format!("there is no scene `{}`", name.display()),
+        format!("give one of {} or a .toml or .obj file", BUILT_IN.map(|b| b.0).join(", ")),
+    )
 }
 
 /// Returns the remedy for an error of the TOML parser: for an unknown key, the known key that resembles it.

@@ -279,3 +279,47 @@ fn polarised_light_has_fresnel_s_reflectance_of_its_field() {
     refused(&["--polarisation", "te", "--reflectance", "schlick"]);
     value(&["--polarisation", "none", "--reflectance", "schlick"]);
 }
+
+#[test]
+fn questions_that_would_be_taken_for_others_are_refused_and_directions_below_the_horizon_are_told() {
+    let sandbox = Sandbox::with_small_surface().without_vulkan();
+    let queries = |text: &str| sandbox.write("q.csv", text);
+    let eval = |more: &[&str]| sandbox.run2(&["eval", "blaze", "--queries", "q.csv"], more);
+    for name in ["wavelenght", "Wavelength", "wavelengths", "wave length"] {
+        queries(&format!("theta_i,phi_i,theta_r,phi_r,{name}\n0,0,10,0,550\n"));
+        let line = eval(&[]).refused(1);
+        assert!(line.contains(name) && line.contains("do you mean `wavelength`?"), "{line}");
+    }
+    queries("theta_i,phi_i,theta_r,phi_r,wavelength\n0,0,10,0,550\n");
+    let line = eval(&["--illuminant", "a"]).refused(2);
+    assert!(line.contains("--illuminant") && line.contains("single wavelength"), "{line}");
+    queries("theta_i,phi_i,theta_r,phi_r,wavelength\n0,0,10,0,550\n0,0,120,0,550\n95,0,10,0,550\n");
+    let told = eval(&[]);
+    assert!(told.code == Some(0) && told.stderr.contains("2 of 3 queries"), "{}", told.stderr);
+}
+
+#[test]
+fn heights_that_no_surface_has_are_refused_at_once() {
+    let sandbox = Sandbox::new().without_vulkan();
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n30,0,20,0\n0,0,10,40\n");
+    // Heights of a checkerboard \[m\].
+    let board = |height: f64| -> String {
+        let row =
+            |y: u32| (0..8).map(|x| format!("{:e} ", height * f64::from((x + y) % 2))).collect::<String>();
+        (0..8).map(|y| row(y) + "\n").collect()
+    };
+    for (height, said) in [
+        (1e-3, "terms in z, more than 4096"),
+        (0.5, "terms in z, more than 4096"),
+        (1e10, "more than a metre"),
+        (1e300, "more than a metre"),
+    ] {
+        sandbox.write("high.txt", board(height));
+        let eval = "eval high.txt --pixel-size 100nm --queries q.csv".split(' ');
+        let outcome = sandbox.run(eval);
+        // A question about the unit may come before it.
+        let last = outcome.stderr.lines().last().unwrap_or_default();
+        assert!(outcome.code == Some(1) && outcome.stdout.is_empty(), "{height}: {outcome:?}");
+        assert!(last.contains(said) && last.contains("check the") && last.len() < 300, "{height}: {last}");
+    }
+}

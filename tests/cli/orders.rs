@@ -161,6 +161,27 @@ fn by_default_orders_have_the_factor_of_the_small_slope_approximation_and_add_up
 }
 
 #[test]
+fn wavelengths_beyond_what_is_known_of_a_material_are_refused() {
+    let sandbox = Sandbox::new().without_vulkan();
+    let orders = ["orders", "blaze", "--light", "30,0", "--wavelength"];
+    // Johnson and Christy's table as it is shipped ends here; Schott's data sheet begins at 310 nm.
+    for (material, wavelength) in
+        [("silver", "320nm"), ("gold", "5um"), ("glass", "50nm"), ("keratin", "1um")]
+    {
+        let line = sandbox.run2(&orders, &[wavelength, "--material", material]).refused(2);
+        assert!(line.contains(&format!("the refractive index of {material} is known from")), "{line}");
+    }
+    assert_eq!(sandbox.run2(&orders, &["320nm", "--ior", "1.5"]).code, Some(0));
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n30,0,20,0,550\n30,0,20,0,320\n");
+    let line = sandbox.run("eval blaze --queries q.csv --material silver".split(' ')).refused(2);
+    assert!(line.contains("not at 320.0 nm"), "{line}");
+    // Columns have the names that they are read by.
+    sandbox.write("swapped.csv", "wavelength,k,n\n300,3.5,0.05\n900,3.5,0.05\n");
+    let line = sandbox.run2(&orders, &["550nm", "--material", "swapped.csv"]).refused(2);
+    assert!(line.contains("the columns wavelength (nm), n and k"), "{line}");
+}
+
+#[test]
 fn orders_of_a_blaze_lean_to_the_side_of_its_facets() {
     let sandbox = Sandbox::new().without_vulkan();
     // The limit of energy of the default theory has words of its own.

@@ -114,6 +114,8 @@ fn wrong_use_is_one_line_with_exit_code_2_that_names_where_the_help_is() {
         (&["--hepl"], &["--hepl", "`diffract --help`"]),
         (&["render"], &["--output", "`diffract render --help`"]),
         (&["render", "-o"], &["--output", "`diffract render --help`"]),
+        (&["render", "elaphe", "-o", "a.png"], &["is a surface and no scene", "--surface elaphe"]),
+        (&["render", "skin.gsf", "-o", "a.png"], &["is a surface and no scene", "--surface skin.gsf"]),
         (&["render", "plate", "sphere", "-o", "a.png"], &["'sphere'", "`diffract render --help`"]),
         (&["render", "-o", "a.png", "--sise", "4x4"], &["--sise", "--size?"]),
         (&["render", "-o", "a.png", "--ior", "1.5", "--ior", "2"], &["--ior"]),
