@@ -15,7 +15,8 @@ int slot_of(ivec2 pixel, int number) {
     uint turn = frame.at.turn ^ bitfieldReverse(uint(number));
     uint x = uint(pixel.x), y = uint(pixel.y), checks = x ^ y;
     uint rank = (checks & 1u) << 31 | (y & 1u) << 30 | (checks & 2u) << 28 | (y & 2u) << 27 | (checks & 4u) << 25 | (y & 4u) << 24;
-    rank = (bitCount(turn) & 1) == 1 ? ~rank : rank;
+    uint part = frame.at.parts == 0 ? 0 : bitfieldReverse(turn >> (32 - frame.at.parts));
+    rank ^= part ^ part << 2;
     return int(((rank >> frame.at.parts) ^ turn) >> (32 - findMSB(LIGHT_SLOTS)));
 }
 

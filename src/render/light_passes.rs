@@ -75,12 +75,14 @@ impl Choices {
 
     /// Returns the slot of the first direction of the `pixel`. Neighbouring pixels are far apart in a part of the block: they
     /// have the ranks of an 8 × 8 ordered dither (Bayer 1973), whose first bit is a checkerboard. Of all patterns of two
-    /// equal halves, the pixel filter leaves least of that one: 0.07. Every other part, by the parity of its number, has the
-    /// ranks from the other end, so that what neighbours differ by has either sign. Twin of `slot_of` in `light.glsl`.
+    /// equal halves, the pixel filter leaves least of that one: 0.07. Parts that lie side by side have the
+    /// ranks in other orders, so that what pixels differ by has either sign. Twin of `slot_of` in `light.glsl`.
     pub fn slot(&self, [x, y]: [u32; 2]) -> u32 {
         let rank = |bit: u32| (((x ^ y) >> bit & 1) << 1 | (y >> bit & 1)) << (u32::BITS - 2 - 2 * bit);
         let rank = rank(0) | rank(1) | rank(2);
-        let rank = if self.turn.count_ones() & 1 == 1 { !rank } else { rank };
+        // Bits of the number of the part turn the ranks, so that those of neighbouring parts, and of their neighbours, differ.
+        let part = self.turn.checked_shr(u32::BITS - self.parts).unwrap_or(0).reverse_bits();
+        let rank = rank ^ part ^ part << 2;
         ((rank >> self.parts) ^ self.turn) >> (u32::BITS - LIGHT_SLOTS.trailing_zeros())
     }
 }
