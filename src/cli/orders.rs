@@ -90,6 +90,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .writes(&arguments.output)
         .check()?;
     arguments.surface_reflectance.check()?;
+    let reflectance = arguments.surface_reflectance.of_surface(None);
+    for &wavelength in &arguments.wavelength {
+        reflectance.check_range(wavelength, wavelength)?;
+    }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if setup::beyond_of(&field) == Beyond::Alike {
         say(
@@ -102,9 +106,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let light = direction(arguments.light.theta, arguments.light.phi);
     let mut table = write::Csv::new();
     table.row(["wavelength", "m", "n", "theta_r", "phi_r", "efficiency", "reflectance", "period"])?;
-    let (relief, reflectance) = (Relief::of(&field)?, arguments.surface_reflectance.of_surface(None));
+    let relief = Relief::of(&field)?;
     for &wavelength in &arguments.wavelength {
-        reflectance.check_range(wavelength, wavelength)?;
         let orders = orders(&cell, &reflectance, light, wavelength)?;
         let told = Sums::of(&orders, arguments.least);
         let theory = ScalarTheory::new(relief, &reflectance, LightColour::Wavelength(wavelength));

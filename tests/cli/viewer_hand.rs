@@ -41,7 +41,7 @@ fn each_drag_moves_what_it_is_for_and_nothing_else() {
     let reset = |viewer: &Viewer| {
         viewer.display.key('r'.into(), &[]);
         let (_, command, _) = viewer.save(&[]);
-        assert!(!command.contains("--eye") && command.contains("--light disc:3deg:35,-50,2"), "{command}");
+        assert!(!command.contains("--eye") && command.contains("--light 35,-50,2"), "{command}");
     };
     let orbit = moved(&viewer, |v| v.display.drag(1, FROM, TO));
     // From here on, differences: an orbit leaves the target, pans move eye and target alike.
@@ -62,7 +62,7 @@ fn each_drag_moves_what_it_is_for_and_nothing_else() {
         viewer.display.holding(held, || viewer.display.drag(button, FROM, TO));
         let (picture, command, _) = viewer.save(&[]);
         assert!(picture == viewer.render(&command), "{command}");
-        assert!(!command.contains("--light disc:3deg:35,-50,2") && !command.contains("--eye"), "{command}");
+        assert!(!command.contains("--light 35,-50,2") && !command.contains("--eye"), "{command}");
         reset(&viewer);
     }
     viewer.close();
