@@ -53,6 +53,8 @@ pub enum Remedy {
     FartherCamera,
     /// The distance between samples of the height field.
     PixelSize,
+    /// A scene, with the named surface on it.
+    SurfaceOnScene,
     /// The height of the largest grey code of the height field.
     FullHeight,
     /// Another channel of the scan.
@@ -92,6 +94,7 @@ impl fmt::Display for Remedy {
             Self::FewerRepeats => "ask for fewer repeats of the patch",
             Self::FartherCamera => "look from farther away",
             Self::PixelSize => "give the distance between samples",
+            Self::SurfaceOnScene => "name a scene, and this surface for it",
             Self::FullHeight => "give what the largest grey code means",
             Self::Channel => "name a channel",
             Self::LevelPlane => "level the surface by a plane",

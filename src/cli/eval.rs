@@ -30,7 +30,7 @@ The answer repeats its columns and adds brdf [1/sr] where there is a wavelength,
 
 Examples:
   diffract eval blaze --queries q.csv --method reference
-  diffract eval scan.png --pixel-size 97.66nm --height 434.7nm --queries q.csv -o answers.csv"
+  diffract eval scan.png --pixel-size 48.83nm --height 434.7nm --queries q.csv -o answers.csv"
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name

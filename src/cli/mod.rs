@@ -53,7 +53,7 @@ const VIEW_EXAMPLE: &str = if cfg!(feature = "viewer") { "\n  diffract view" } e
     about = "Structural colour from a measured height field: Stam's wave-optics BRDF, as pictures and as numbers",
     after_help = format!("Examples:{VIEW_EXAMPLE}
   diffract render -o snake.png
-  diffract render sphere --surface scan.png --pixel-size 97.66nm --height 434.7nm -o scan.exr
+  diffract render sphere --surface scan.png --pixel-size 48.83nm --height 434.7nm -o scan.exr
   diffract eval blaze --queries directions.csv --method reference
   diffract brdf elaphe --light 30,0 -o hemisphere.png
   diffract surface info xenopeltis

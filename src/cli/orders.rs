@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let relief = Relief::of(&field)?;
     for &wavelength in &arguments.wavelength {
         let orders = orders(&cell, &reflectance, light, wavelength)?;
-        let told = Sums::of(&orders, arguments.least);
+        let told = EfficiencySums::of(&orders, arguments.least);
         let theory = ScalarTheory::new(relief, &reflectance, LightColour::Wavelength(wavelength));
         told.tell(&cell, &format!("{:.1} nm", wavelength * NM_PER_UM), &theory);
         for order in orders.iter().filter(|order| is_written(order, arguments.least)) {
@@ -139,7 +139,7 @@ fn is_written(order: &DiffractionOrder, least: f64) -> bool {
 }
 
 /// Sums over the orders of one wavelength.
-struct Sums {
+struct EfficiencySums {
     /// Number of orders that are written, and their efficiency.
     written: (usize, f64),
     /// Number of orders with less light than that, and their efficiency.
@@ -150,7 +150,7 @@ struct Sums {
     limit: f64,
 }
 
-impl Sums {
+impl EfficiencySums {
     /// Returns the sums over `orders`, of which those with an efficiency of `least` or more are written.
     fn of(orders: &[DiffractionOrder], least: f64) -> Self {
         let lit = orders.iter().filter(|order| order.efficiency > 0.0);

@@ -44,7 +44,7 @@ pub enum Command {
 /// Arguments of `surface info`.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:
-  diffract surface info scan.png --pixel-size 97.66nm --height 434.7nm --level plane --crop 40um --plot scan.svg")]
+  diffract surface info scan.png --pixel-size 48.83nm --height 434.7nm --level plane --crop 40um --plot scan.svg")]
 pub struct Info {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,

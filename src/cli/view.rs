@@ -17,7 +17,7 @@ use std::ffi::{OsStr, OsString};
 #[command(after_help = "Examples:
   diffract view
   diffract view disc --surface blaze
-  diffract view mesh.obj --surface scan.png --pixel-size 97.66nm --height 434.7nm
+  diffract view mesh.obj --surface scan.png --pixel-size 48.83nm --height 434.7nm
 
 Left drag orbits, right drag moves the light, the wheel zooms. F1 lists all keys.
 S saves the picture with the `diffract render` that draws the same.

@@ -164,7 +164,7 @@ impl Material {
                 first * NM_PER_UM,
                 last * NM_PER_UM
             ),
-            "take another wavelength, a file with --material FILE, or one index with --ior N",
+            "take another wavelength, a table of the material that holds it, or one refractive index",
         ))
     }
 

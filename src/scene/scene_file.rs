@@ -12,7 +12,7 @@ use super::object::{
 use super::scene_document::{Angle, EnvironmentDocument, ObjectDocument, SceneDocument, Triple};
 use super::scene_options::{self, FileOptions};
 use super::{Mesh, Progress};
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::input;
 use crate::surface::SurfaceSource;
 use crate::surface::files::EXTENSIONS;
@@ -293,11 +293,8 @@ fn objects(
 fn no_scene(name: &OsStr, extension: &str) -> Error {
     let is_kind = name.to_str().and_then(SurfaceKind::from_name).is_some();
     if is_kind || EXTENSIONS.contains(&extension) {
-        let name = name.display();
-        return Error::usage(
-            format!("`{name}` is a surface and no scene"),
-            format!("name a scene, and the surface by --surface {name}, as in sphere --surface {name}"),
-        );
+        let what = format!("`{}` is a surface and no scene", name.display());
+        return Error::usage(what, Remedy::SurfaceOnScene);
     }
     Error::usage(
         format!("there is no scene `{}`", name.display()),

@@ -94,7 +94,7 @@ fn lights_and_exposure_and_level_act_on_the_picture() {
     let viewer = Viewer::open(&[&plate[..], &LARGE].concat());
     let stops = viewer.drag("exposure", 0, 24);
     let (first, _) = viewer.shows_number("--exposure", &stops);
-    viewer.press_in("tone", "none");
+    viewer.press_in("tone mapping", "none");
     let (hard, command) = viewer.shows("--tone none");
     assert!(hard != first, "{command}");
     viewer.press("mean");

@@ -21,7 +21,7 @@ pub struct SurfaceOptions {
     /// blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed, tulip
     #[arg(long, value_name = "FILE|BUILTIN")]
     pub surface: Option<OsString>,
-    /// Distance between samples, as in 97.66nm or 80nmx90nm, instead of the file's
+    /// Distance between samples, as in 48.83nm or 80nmx90nm, instead of the file's
     #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
     pub pixel_size: Option<[f64; 2]>,
     /// Height of an image's largest code, as in 434.7nm; full height of a built-in surface, or of a file instead of the file's
