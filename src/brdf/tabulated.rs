@@ -84,7 +84,7 @@ impl<'a> TabulatedMean<'a> {
     /// Tabulates the powers of all orders of `mean` for wavelengths from `shortest` \[µm\].
     ///
     /// # Errors
-    /// Heights that need more than [`MOST_TERMS`] terms, too little memory, or the error of `progress`.
+    /// Heights that need more than 4096 terms, too little memory, or the error of `progress`.
     pub fn new(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
         Self::with_sampling(mean, shortest, ColourSampling::EXACT, progress)
     }
