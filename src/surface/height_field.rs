@@ -6,8 +6,8 @@ use crate::error::{Error, Remedy, Result};
 /// a few gigabytes of memory.
 pub const MAX_SIDE: usize = 16_384;
 
-/// Largest height above or below zero: a metre \[µm\]. No scan has it, and counts of terms that follow from heights stay small numbers.
-const LARGEST_HEIGHT: f64 = 1e6;
+/// Largest height above or below zero: a kilometre \[µm\]. Nanometres that a file calls metres are less, and counts of terms that follow from heights stay small numbers.
+const LARGEST_HEIGHT: f64 = 1e9;
 
 /// Heights on a regular grid. Row 0 is the top of a height image: `x` grows along a row, `y` grows UP, so row 0 has
 /// the largest `y`. The origin is the patch centre; samples sit at cell centres.
@@ -24,7 +24,7 @@ impl HeightField {
     ///
     /// # Errors
     /// An empty or oversized grid, a length of `heights` that is not `columns * rows`, a spacing that is not finite and
-    /// positive, a height that is not finite or more than a metre.
+    /// positive, a height that is not finite or more than a kilometre.
     pub fn new(columns: usize, rows: usize, pixel_size: [f64; 2], heights: Vec<f64>) -> Result<Self> {
         check_size(columns, rows)?;
         if heights.len() != columns * rows {
@@ -47,7 +47,7 @@ impl HeightField {
         }
         if let Some(height) = heights.iter().find(|h| h.abs() > LARGEST_HEIGHT) {
             return Err(Error::failed(
-                format!("a height of {height:e} um is more than a metre"),
+                format!("a height of {height:e} um is more than a kilometre"),
                 [Remedy::Words("check the unit of the heights".into())],
             ));
         }

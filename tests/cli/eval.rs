@@ -312,8 +312,8 @@ fn heights_that_no_surface_has_are_refused_at_once() {
     for (height, said) in [
         (1e-3, "terms in z, more than 4096"),
         (0.5, "terms in z, more than 4096"),
-        (1e10, "more than a metre"),
-        (1e300, "more than a metre"),
+        (1e10, "more than a kilometre"),
+        (1e300, "more than a kilometre"),
     ] {
         sandbox.write("high.txt", board(height));
         let eval = "eval high.txt --pixel-size 100nm --queries q.csv".split(' ');
