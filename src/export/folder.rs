@@ -332,6 +332,7 @@ mod tests {
             let e = reason(MATERIAL, &|bytes| bytes[place] ^= 1);
             assert!(e.contains(MATERIAL) || e.contains("it is no description"), "byte {place}: {e}");
         }
+        let _ = fs::remove_dir_all(&folder);
         export(&folder).unwrap();
         fs::remove_file(folder.join(TEXELS)).unwrap();
         let e = ExportReader::open(&folder).unwrap().check().unwrap_err().to_string();

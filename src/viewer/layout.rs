@@ -277,13 +277,13 @@ mod tests {
     fn settings_and_drags_are_undone_and_redone() {
         let mut hand = Hand::new(LARGE, 1.0);
         let start = hand.model.settings.clone();
-        hand.press("neutral");
-        let toned = hand.model.settings.clone();
+        hand.press("LED");
+        let lit = hand.model.settings.clone();
         hand.drag(pos2(100.0, 300.0), pos2(200.0, 340.0));
         let turned = hand.model.settings.clone();
-        assert!(start != toned && toned.camera != turned.camera);
+        assert!(start != lit && lit.camera != turned.camera);
         hand.key_held(Key::Z, Modifiers::COMMAND);
-        assert!(hand.model.settings == toned, "a drag is one change");
+        assert!(hand.model.settings == lit, "a drag is one change");
         hand.key_held(Key::Z, Modifiers::COMMAND);
         assert!(hand.model.settings == start);
         hand.key_held(Key::Y, Modifiers::COMMAND);

@@ -172,7 +172,7 @@ pub(crate) mod tests {
         };
         assert_eq!(needs(&|_| ()), Needs::Nothing);
         assert_eq!(needs(&|s| s.exposure += 1.0), Needs::Display);
-        assert_eq!(needs(&|s| s.tone = Tone::Neutral), Needs::Display);
+        assert_eq!(needs(&|s| s.tone = Tone::None), Needs::Display);
         assert_eq!(needs(&|s| s.lights[0] = Light::point(1.0, 2.0, 3.0)), Needs::Frame);
         assert_eq!(needs(&|s| s.lights[0].spectrum = Some(Illuminant::Led)), Needs::Layers);
         assert_eq!(needs(&|s| s.camera.phi += 0.1), Needs::Frame);

@@ -127,10 +127,4 @@ mod tests {
             assert!(largest(&line.levelled(Levelling::Plane).unwrap()) < 1e-14);
         }
     }
-
-    #[test]
-    fn heights_too_large_to_sum_are_an_error() {
-        let huge = HeightField::new(2, 1, [1.0; 2], vec![f64::MAX; 2]).unwrap();
-        assert!(huge.levelled(Levelling::Mean).is_err());
-    }
 }
