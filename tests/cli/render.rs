@@ -117,7 +117,7 @@ fn more_samples_smooth_the_alpha_of_both_formats_and_a_seed_is_one_picture() {
     assert!(
         fast.iter().zip(&exact).all(|(a, b)| (a[3] - b[3]).abs() < 1e-6) && fast.iter().any(|p| inside(&p))
     );
-    // A ray at the rim may take a part of the sky that rises above its horizon by rounding.
+    // At the rim few samples of the sky differ by more: within it all light is compared.
     let inner = |picture: &[[f32; 4]]| -> Vec<[f32; 4]> {
         picture.iter().zip(&exact).filter(|(_, e)| e[3] == 1.0).map(|(p, _)| *p).collect()
     };
