@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let shortest =
         table.queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min);
     for wavelength in table.queries.iter().filter_map(|query| query.wavelength) {
-        optics.reflectance.check_range(wavelength, wavelength)?;
+        optics.reflectance.check_wavelength(wavelength)?;
     }
     let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
     let below = table.queries.iter().filter(|query| !query.pair.above_horizon()).count();

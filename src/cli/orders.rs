@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.surface_reflectance.check()?;
     let reflectance = arguments.surface_reflectance.of_surface(None);
     for &wavelength in &arguments.wavelength {
-        reflectance.check_range(wavelength, wavelength)?;
+        reflectance.check_wavelength(wavelength)?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if setup::beyond_of(&field) == Beyond::Alike {

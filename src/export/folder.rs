@@ -327,9 +327,15 @@ mod tests {
             *bytes = text.replace("\"version\": 2", "\"version\": 3").into_bytes();
         });
         assert!(e.contains("version 3") && e.contains("newer program"), "{e}");
-        let length = fs::read(folder.join(MATERIAL)).unwrap().len();
-        for place in (0..length).step_by(7) {
-            let e = reason(MATERIAL, &|bytes| bytes[place] ^= 1);
+        // Each byte of the description counts.
+        let _ = fs::remove_dir_all(&folder);
+        export(&folder).unwrap();
+        let sound = fs::read(folder.join(MATERIAL)).unwrap();
+        for place in 0..sound.len() {
+            let mut changed = sound.clone();
+            changed[place] ^= 1;
+            fs::write(folder.join(MATERIAL), changed).unwrap();
+            let e = ExportReader::open(&folder).err().unwrap_or_else(|| panic!("byte {place}")).to_string();
             assert!(e.contains(MATERIAL) || e.contains("it is no description"), "byte {place}: {e}");
         }
         let _ = fs::remove_dir_all(&folder);

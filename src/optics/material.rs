@@ -145,24 +145,24 @@ impl Material {
         }
     }
 
-    /// Fails unless the index is known from `shortest` to `longest` \[µm\].
+    /// Fails unless the index is known at `wavelength` \[µm\].
     ///
     /// # Errors
     /// A wavelength beyond the table or the range of the formula.
-    pub fn check_range(&self, shortest: f64, longest: f64) -> Result<()> {
+    pub fn check_wavelength(&self, wavelength: f64) -> Result<()> {
         /// Rounding of a wavelength that went through another unit.
         const ROUNDING: f64 = 1e-9;
         let [first, last] = self.range();
-        if shortest >= first * (1.0 - ROUNDING) && longest <= last * (1.0 + ROUNDING) {
+        if (first * (1.0 - ROUNDING)..=last * (1.0 + ROUNDING)).contains(&wavelength) {
             return Ok(());
         }
-        let asked = NM_PER_UM * if shortest < first { shortest } else { longest };
         Err(Error::usage(
             format!(
-                "the refractive index of {} is known from {:.0} to {:.0} nm, and not at {asked:.1} nm",
+                "the refractive index of {} is known from {:.0} to {:.0} nm, and not at {:.1} nm",
                 self.name,
                 first * NM_PER_UM,
-                last * NM_PER_UM
+                last * NM_PER_UM,
+                wavelength * NM_PER_UM
             ),
             "take another wavelength, a table of the material that holds it, or one refractive index",
         ))

@@ -315,14 +315,14 @@ impl Reflectance {
         sum / total
     }
 
-    /// Fails unless the material's index is known from `shortest` to `longest` \[µm\].
+    /// Fails unless the material's index is known at `wavelength` \[µm\].
     ///
     /// # Errors
-    /// Those of [`Material::check_range`].
-    pub fn check_range(&self, shortest: f64, longest: f64) -> Result<()> {
+    /// That of [`Material::check_wavelength`].
+    pub fn check_wavelength(&self, wavelength: f64) -> Result<()> {
         match self {
             Self::Schlick(_) => Ok(()),
-            Self::Fresnel { material, .. } => material.check_range(shortest, longest),
+            Self::Fresnel { material, .. } => material.check_wavelength(wavelength),
         }
     }
 

@@ -75,7 +75,7 @@ impl Choices {
 
     /// Returns the slot of the first direction of the `pixel`. Neighbouring pixels are far apart in a part of the block: they
     /// have the ranks of an 8 × 8 ordered dither (Bayer 1973), whose first bit is a checkerboard. Of all patterns of two
-    /// equal halves, the pixel filter leaves least of that one: 0.07. Parts that lie side by side have the
+    /// equal halves, the pixel filter leaves least of that one: (2/π)⁶ = 0.07. Parts that lie side by side have the
     /// ranks in other orders, so that what pixels differ by has either sign. Twin of `slot_of` in `light.glsl`.
     pub fn slot(&self, [x, y]: [u32; 2]) -> u32 {
         let rank = |bit: u32| (((x ^ y) >> bit & 1) << 1 | (y >> bit & 1)) << (u32::BITS - 2 - 2 * bit);

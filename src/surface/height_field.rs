@@ -170,6 +170,7 @@ mod tests {
         assert_eq!(field.heights(), [-4.0, 1.0, 6.0, -6.0, -1.0, 4.0]);
         assert!(HeightField::from_fn(usize::MAX, 2, [1.0; 2], |_, _| 0.0).is_err(), "too large to allocate");
         assert!(HeightField::from_fn(2, 2, [1.0; 2], |x, _| (x - 9.0).sqrt()).is_err(), "not a number");
+        assert!(HeightField::from_fn(2, 1, [1.0; 2], |_, _| f64::MAX).is_err(), "more than a kilometre");
     }
 
     #[test]

@@ -37,8 +37,8 @@ use half::f16;
 use serde::{Deserialize, Serialize};
 
 /// Smallest tolerance that a table keeps where the refractive index is one number. Colours of a blaze in 200 random directions err by 0.0018,
-/// 0.0010 and 0.0004 (relative L2, by `eval --method reference`, a coherence length of 8 µm) at tolerances of 2e-3, 1e-3 and 5e-4, the last of which
-/// is half a rounding of 16-bit floats. Colours of metals in random directions err by up to 0.011 at any tolerance.
+/// 0.0010 and 0.0004 (relative L2, by `eval --method reference`, a coherence length of 8 µm) at tolerances of 2e-3, 1e-3 and 5e-4; 16-bit floats
+/// round by as much as the last. Colours of metals in random directions err by up to 0.011 at any tolerance.
 pub const LEAST_TOLERANCE: f64 = 1e-3;
 
 /// Settings of a table.

@@ -123,6 +123,11 @@ fn more_samples_smooth_the_alpha_of_both_formats_and_a_seed_is_one_picture() {
     };
     let (fast, exact) = (inner(&fast), inner(&exact));
     assert!(exact.len() > 100 && deviation(&fast, &exact) <= 1e-2, "{}", deviation(&fast, &exact));
+    // Without a sky the rim is compared too.
+    let lit = [&tight[..], &["--light", "35,-50,2"]].concat();
+    let fast = draw("lit", &lit).0;
+    let exact = draw("exactly-lit", &[&lit[..], &["--method", "reference"]].concat()).0;
+    assert!(deviation(&fast, &exact) <= 1e-2, "{}", deviation(&fast, &exact));
 }
 
 #[test]

@@ -42,7 +42,7 @@ impl HemisphereMap {
             say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
         }
         if let Some(wavelength) = arguments.wavelength {
-            optics.reflectance.check_range(wavelength, wavelength)?;
+            optics.reflectance.check_wavelength(wavelength)?;
         }
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
         let mut pixels = vec![[0.0; 4]; count as usize];

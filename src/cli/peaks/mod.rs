@@ -199,8 +199,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     let optics = arguments.optics.for_wavelengths(&field)?;
     for nanometres in arguments.wavelengths.values() {
-        let wavelength = nanometres / NM_PER_UM;
-        optics.reflectance.check_range(wavelength, wavelength)?;
+        optics.reflectance.check_wavelength(nanometres / NM_PER_UM)?;
     }
     let (sweep, alone) = AngleSweep::of(arguments, &optics, &field)?;
     let mut found = searched(arguments, &sweep);
