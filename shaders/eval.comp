@@ -3,7 +3,7 @@
 // Evaluates queries of directions with the source of frames. The Rust side is src/render/evaluator.rs.
 #include "brdf.glsl"
 #include "part.glsl"
-layout(push_constant) uniform Eval { Part part; uint count; };
+layout(push_constant) uniform Eval { Part part; uint count; float deviation; }; // of the footprint
 #include "reads.glsl"
 #include "source.glsl"
 
@@ -26,7 +26,8 @@ void main() {
     Pair pair = pair_of(query.light.xyz, query.view.xyz, source.medium);
     vec4 answer = vec4(0.0);
     if (query.light.w == 0.0) {
-        answer = vec4(source_xyz(pair, POINT) + source_specular(pair, POINT), 0.0);
+        Footprint footprint = Footprint(vec2(deviation, 0.0), vec2(0.0, deviation));
+        answer = vec4(source_xyz(pair, footprint) + source_specular(pair, footprint), 0.0);
     } else if (part.first == 0) {
         // The limit of energy of a single wavelength is divided by in f64.
         answer = vec4(source_spectral(pair, query.light.w) * pair.limit);

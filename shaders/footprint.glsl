@@ -29,11 +29,9 @@ const float LONG_REACH = 4.0;
 const float OVERHANG = 10.0;
 const float KEPT = 0.9775;
 const float MOST_OF_ROW = 201.0;
-const float MOST_ASIDE = 3.0;
 const float ROUND = 0.2;
-const float BEND = 0.5;
 
-// Variances of the mip level read and of the next coarser one, without coherence: `Levels` of src/filter/taps.rs.
+// Variances of the level read and of the next coarser one, without coherence: `Levels` of src/filter/taps.rs.
 struct Levels {
     float read;
     float next; // no more than `read` for the coarsest level
@@ -54,8 +52,8 @@ struct Taps {
     vec2 axis;    // unit vector along the longer axis
     float longer; // variance along it
     float share;  // weight of the row of the next coarser level
-    Line aside;   // rows side by side
-    int rows;
+    float aside;  // distance from the middle of two rows of the coarsest level
+    int rows;     // 1 or 2
 };
 
 // Row of taps along the longer axis: `Row` of src/filter/taps.rs.
@@ -68,14 +66,14 @@ struct Row {
     float coarser; // 1 if the row reads the next coarser level
 };
 
-// Spreads at most `most` points over the standard deviation `deviation`, each of which averages over the standard
-// deviation `tap`. The weighted variance of the points is that of the line.
-Line line_of(float deviation, float tap, float most) {
+// Spreads points over the standard deviation `deviation`, each of which averages over the standard deviation `tap`. The
+// weighted variance of the points is that of the line.
+Line line_of(float deviation, float tap) {
     if (deviation <= ROUND * tap) {
         return Line(1.0, 0.0, 0.0, 1.0);
     }
     float reach = clamp(LONG_REACH - OVERHANG * tap / deviation, REACH, LONG_REACH);
-    float count = clamp(ceil(2.0 * reach * deviation / (KEPT * SPACING * tap) + 1.0), 2.0, most);
+    float count = clamp(ceil(2.0 * reach * deviation / (KEPT * SPACING * tap) + 1.0), 2.0, MOST_OF_ROW);
     float h = 2.0 * reach / count;
     float fall = 0.5 * h * h, norm = 0.0, moment = 0.0;
     for (float n = -0.5 * (count - 1.0); n < 0.5 * count; n += 1.0) {
@@ -86,42 +84,35 @@ Line line_of(float deviation, float tap, float most) {
     return Line(count, deviation * sqrt(norm / moment), fall, norm);
 }
 
+// Returns the share of the coarser level for which both are together as high in the middle as a Gaussian of the variance
+// `across`: `share_between` of src/filter/taps.rs.
+float share_between(Levels levels, float across) {
+    float finer = inversesqrt(levels.read + levels.blur), coarser = inversesqrt(levels.next + levels.blur);
+    float asked = inversesqrt(max(across, levels.read) + levels.blur);
+    return clamp((finer - asked) / (finer - coarser), 0.0, 1.0);
+}
+
 // Returns the taps of a footprint whose variance along the shorter axis is `across`.
 Taps taps_of(Ellipse ellipse, float across, Levels levels) {
     float rest = max(across - levels.read, 0.0);
-    Taps taps = Taps(levels, ellipse.axis, ellipse.longer, 0.0, Line(1.0, 0.0, 0.0, 1.0), 1);
-    if (levels.next > levels.read) {
-        // `between_levels` of src/filter/taps.rs.
-        float s = min(rest / (levels.next - levels.read), 1.0);
-        float left = s * (1.0 - BEND * s) / (1.0 + s - BEND * s * s);
-        taps.share = s * s * (1.0 + BEND - BEND * s);
-        if (s > 0.0) {
-            // A row of the finer level on either side, and a row of the coarser level in the middle.
-            taps.aside = Line(2.0, 2.0 * sqrt(left * (levels.next - levels.read)), 0.0, 2.0);
-            taps.rows = 3;
-        }
-    } else {
-        taps.aside = line_of(sqrt(rest), sqrt(levels.read + levels.blur), MOST_ASIDE);
-        taps.rows = int(taps.aside.count);
-    }
-    return taps;
+    float share = levels.next > levels.read ? share_between(levels, across) : 0.0;
+    bool beyond = levels.next <= levels.read && rest > ROUND * ROUND * (levels.read + levels.blur);
+    return Taps(levels, ellipse.axis, ellipse.longer, share, beyond ? sqrt(rest) : 0.0, share > 0.0 || beyond ? 2 : 1);
 }
 
-// Returns row number `number`. With two levels, all rows together have the variance of the longer axis.
+// Returns row number `number`. With two levels, both rows together have the variance of the longer axis.
 Row row_of(Taps taps, int number) {
-    bool coarser = taps.share > 0.0 && number == taps.rows - 1;
+    bool coarser = taps.share > 0.0 && number == 1;
     float read = coarser ? taps.levels.next : taps.levels.read;
     float whole = (taps.longer - taps.share * max(taps.longer, taps.levels.next)) / max(1.0 - taps.share, 1e-3);
     float left = (coarser ? taps.longer : whole) - read;
-    Line line = line_of(sqrt(max(left, 0.0)), sqrt(read + taps.levels.blur), MOST_OF_ROW);
-    float place = float(number) - 0.5 * (taps.aside.count - 1.0);
-    float aside = coarser ? 0.0 : place * taps.aside.step;
-    float weight = coarser ? taps.share : (1.0 - taps.share) * exp(-taps.aside.fall * place * place) / taps.aside.norm;
+    Line line = line_of(sqrt(max(left, 0.0)), sqrt(read + taps.levels.blur));
+    float weight = coarser ? taps.share : taps.aside > 0.0 ? 0.5 : 1.0 - taps.share;
     Row row;
     row.first = -0.5 * (line.count - 1.0);
     row.step = taps.axis * line.step;
     row.fall = line.fall;
-    row.aside = vec2(-taps.axis.y, taps.axis.x) * aside;
+    row.aside = vec2(-taps.axis.y, taps.axis.x) * (number == 0 ? -taps.aside : taps.aside);
     row.weight = weight / line.norm;
     row.coarser = coarser ? 1.0 : 0.0;
     return row;
@@ -133,10 +124,10 @@ float least_own(Ellipse ellipse, float blur) {
     return max(ellipse.longer * (part * part) - blur, 0.0);
 }
 
-// Returns the level whose variance is at most `ratio` times that of the finest; each level has four times the variance
-// of the previous one. The bound handles log2(1) rounded below 0.
+// Returns the level whose variance is at most `ratio` times that of the finest; each level has twice the variance of the
+// previous one. The bound handles log2(1) rounded below 0.
 float level_of_ratio(float ratio) {
-    return max(floor(0.5 * log2(ratio)), 0.0);
+    return max(floor(log2(ratio)), 0.0);
 }
 
 // Returns the normal distribution of covariance `c` at `d`.

@@ -1,4 +1,4 @@
-// Colour table: the mean over coherence areas, summed over the spectrum, over -(u, v), in mip levels that average over
+// Colour table: the mean over coherence areas, summed over the spectrum, over -(u, v), in levels that average over
 // growing Gaussians in (u, v). Texels hold coordinates in a basis of functions of |w| (src/table/basis.rs). Its CPU
 // twin is src/table/read.rs; the Rust side is src/render/source/table.rs.
 // The arithmetic is in table.glsl, which exports hold, too.
@@ -9,7 +9,7 @@
 layout(constant_id = 11) const int TEXELS = 3; // texels per direction and tap, of four coordinates each
 layout(constant_id = 16) const int BANDS = 64; // of wavelengths of the specular order, a power of 4
 
-// TEXELS layers for each piece of the range of |w|.
+// TEXELS layers for each piece of the range of |w|, first of level 2m and then of level 2m + 1 in mip level m.
 layout(set = 1, binding = 3) uniform sampler2DArray color_table;
 
 // XYZ of the specular order over |w| and its variance in (u, v): one row per band of wavelengths, then rows of the sums of 4, 16 ... and at last of
@@ -25,14 +25,14 @@ layout(set = 1, binding = 2, std140) uniform Table {
     float coherence;          // variance of u due to coherence
     float unit;               // BRDF value of a stored 1 [1/sr]
     float finest;             // variance of u of the finest level
-    float per_growth;         // reciprocal of the variance added per level
+    float per_growth;         // reciprocal of the variance added by level 1
     float pieces;             // of 0 ... LARGEST_W
     float last_level;
     Medium medium;            // refractive indices of the surface, unless sums over wavelengths contain all of it
 } source;
 
-vec4 table_texel(vec3 place, float level) {
-    return textureLod(color_table, place, level);
+vec4 table_texel(vec3 place, float mip) {
+    return textureLod(color_table, place, mip);
 }
 
 vec4 table_cubic(int column, int piece) {
@@ -61,20 +61,18 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return table_scattered(pair, footprint);
 }
 
-// Returns the average over a round footprint of this radius, a mixture of two levels of together its variance. That is no
-// Gaussian, but serves for light whose distribution is not known.
+// Returns the average over a round footprint of this radius, a mixture of two levels. That is no Gaussian, but serves for light whose distribution is not known.
 vec3 source_round_xyz(Pair pair, float radius) {
     float variance = max(radius * radius, source.finest);
     float level = min(level_of_ratio((variance - source.finest) * source.per_growth + 1.0), source.last_level);
     float next = min(level + 1.0, source.last_level);
-    // Levels have variances of (4^level - 1) / per_growth more than the finest.
-    float share = ((variance - source.finest) * source.per_growth + 1.0) * exp2(-2.0 * level);
-    share = clamp((share - 1.0) / 3.0, 0.0, 1.0);
+    Levels levels = Levels(variance_of_level(level), variance_of_level(next), source.coherence);
+    float share = next > level ? share_between(levels, variance) : 0.0;
     Piece piece = piece_of(pair.w);
-    vec3 place = vec3(pair.toward * source.texture_per_uv + 0.5, float(TEXELS * piece.number));
+    vec2 place = pair.toward * source.texture_per_uv + 0.5;
     Numbers average = NOTHING;
-    add_place(average, 1.0 - share, place, level);
-    add_place(average, share, place, next);
+    add_place(average, 1.0 - share, place, storage_of(level, piece));
+    add_place(average, share, place, storage_of(next, piece));
     return table_value(pair, average, piece);
 }
 

@@ -1,9 +1,9 @@
 // Colour of a pair of directions from a colour table. Texels are coordinates in cubics over pieces of the range of |w|,
-// in mip levels that average over growing Gaussians in (u, v). The specular order is added separately. The CPU twin is
+// in levels half an octave apart that average over growing Gaussians in (u, v). The specular order is added separately. The CPU twin is
 // src/table/read.rs.
 //
 // The includer defines TEXELS, BANDS, the parameters of the table in `source`, and three functions that read:
-//   vec4 table_texel(vec3 place, float level)   four coordinates at a texture coordinate and layer, linear between texels, 0 outside
+//   vec4 table_texel(vec3 place, float mip)     four coordinates at a texture coordinate and layer, linear between texels, 0 outside
 //   vec4 table_cubic(int column, int piece)     factors of 1, t, t^2 and t^3 of X, Y and Z of one coordinate after the other
 //   vec4 table_row(float place, int row)        XYZ of the specular order at `place`, 0 to 1, and its variance; a row for each of BANDS bands of wavelengths, for the sums of each 4, 16 ... and all of them, and for the mean R
 
@@ -29,10 +29,27 @@ Piece piece_of(float w) {
     return Piece(int(number), 2.0 * (place - number) - 1.0);
 }
 
+// Returns the variance of u that a level averages over.
+float variance_of_level(float level) {
+    return source.finest + (exp2(level) - 1.0) / source.per_growth;
+}
+
+// Texels of a level: the mip level, and the first layer of a piece in it.
+struct Storage {
+    float mip;
+    float layer;
+};
+
+// Mip level m has the layers of level 2m, and then those of level 2m + 1.
+Storage storage_of(float level, Piece piece) {
+    float mip = floor(0.5 * level);
+    return Storage(mip, float(TEXELS) * ((level - 2.0 * mip) * source.pieces + float(piece.number)));
+}
+
 // Adds `weight` times the coordinates at `place`.
-void add_place(inout Numbers sum, float weight, vec3 place, float level) {
+void add_place(inout Numbers sum, float weight, vec2 place, Storage storage) {
     UNROLL for (int i = 0; i < TEXELS; ++i) {
-        sum.of_texel[i] += weight * table_texel(place + vec3(0.0, 0.0, float(i)), level);
+        sum.of_texel[i] += weight * table_texel(vec3(place, storage.layer + float(i)), storage.mip);
     }
 }
 
@@ -92,21 +109,21 @@ vec3 table_scattered(Pair pair, Footprint footprint) {
     // A level averages over the shorter axis, as far as it is not wider, and taps over the rest.
     float across = max(max(ellipse.shorter, source.finest), least_own(ellipse, source.coherence));
     float level = min(level_of_ratio((across - source.finest) * source.per_growth + 1.0), source.last_level);
-    float read = source.finest + (exp2(2.0 * level) - 1.0) / source.per_growth;
-    float next = level < source.last_level ? source.finest + (exp2(2.0 * level + 2.0) - 1.0) / source.per_growth : 0.0;
+    float read = variance_of_level(level);
+    float next = level < source.last_level ? variance_of_level(level + 1.0) : 0.0;
     Taps taps = taps_of(ellipse, across, Levels(read, next, source.coherence));
     Piece piece = piece_of(pair.w);
     vec2 middle = pair.toward * source.texture_per_uv + 0.5;
-    float layer = float(TEXELS * piece.number);
     Numbers average = NOTHING;
     // Nothing is read if no light reaches the pixel.
     int rows = pair.factor.y > 0.0 ? taps.rows : 0;
     for (int number = 0; number < rows; ++number) {
         Row row = row_of(taps, number);
+        Storage storage = storage_of(level + row.coarser, piece);
         vec2 step = row.step * source.texture_per_uv;
         vec2 place = middle + row.aside * source.texture_per_uv;
         for (float n = row.first; n < 0.5 - row.first; n += 1.0) {
-            add_place(average, row.weight * exp(-row.fall * n * n), vec3(place + n * step, layer), level + row.coarser);
+            add_place(average, row.weight * exp(-row.fall * n * n), place + n * step, storage);
         }
     }
     return table_value(pair, average, piece);

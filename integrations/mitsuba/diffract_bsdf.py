@@ -93,9 +93,9 @@ class Diffract(mi.BSDF):
     def coordinates(self, p, piece, level, active):
         """Returns the coordinates of the table at p, linear between texels: a list of vectors of four."""
         extent = self.export.grid["extent"]
-        shift = mi.UInt32(level)
-        side = mi.Int32(mi.UInt32(self.export.grid["side"]) >> shift)
-        start = dr.gather(mi.UInt32, self.starts, shift, active)
+        number = mi.UInt32(level)
+        side = mi.Int32(mi.UInt32(self.export.grid["side"]) >> (number >> 1))
+        start = dr.gather(mi.UInt32, self.starts, number, active)
         at = (p + extent) * (mi.Float(side) / (2 * extent)) - 0.5
         low = dr.floor(at)
         share = at - low

@@ -16,7 +16,7 @@ TO_SRGB = np.array(
         (0.055630079696994, -0.203976958888977, 1.056971514242879),
     ]
 )
-FORMAT, VERSIONS = "diffract-material", (1, 2)
+FORMAT, VERSION = "diffract-material", 3
 # Format of table.ktx2: VK_FORMAT_R16G16B16A16_SFLOAT.
 HALVES = 97
 # A material hides the pigment below if light is darker than 1/e at this depth [um], by k at this wavelength [um].
@@ -30,7 +30,7 @@ class ExportError(Exception):
 class Export:
     """Material in a folder.
 
-    levels: arrays of texels, [layer][row][column][4], the finest first. cubics: [piece][component][XYZ][power of t], in 1/sr. specular: [band][sample of
+    levels: arrays of texels, [layer][row][column][4], the finest first, two of each size. cubics: [piece][component][XYZ][power of t], in 1/sr. specular: [band][sample of
     |w|][XYZ]. variances: of u, for each band.
 
     By Stam's theory, mean: the mean reflectance over the cosine at the half vector. By the small-slope approximation, indices: n + ik for X, Y and Z;
@@ -43,9 +43,8 @@ class Export:
         about = self.json("material.json")
         if about.get("format") != FORMAT:
             raise ExportError(f"{folder} is no export; make one: diffract export SURFACE -o {folder}")
-        if about.get("version") not in VERSIONS:
-            known = " and ".join(map(str, VERSIONS))
-            raise ExportError(f"{folder} has version {about.get('version')} of the format, {known} are known here; export the material again")
+        if about.get("version") != VERSION:
+            raise ExportError(f"{folder} has version {about.get('version')} of the format, {VERSION} is known here; export the material again")
         for name in ["table.json", "table.ktx2"]:
             bytes_ = about["files"][name]["bytes"]
             if not (self.folder / name).is_file() or (self.folder / name).stat().st_size != bytes_:
@@ -96,9 +95,9 @@ class Export:
             raise ExportError(f"{self.folder / 'table.ktx2'} is not the texture of table.json; export the material again")
         at = [struct.unpack_from("<Q", data, 80 + 24 * level)[0] for level in range(levels)]
         sides = [side >> level for level in range(levels)]
-        read = lambda offset, n: np.frombuffer(data, "<f2", layers * n * n * 4, offset).reshape(layers, n, n, 4)
-        return [read(offset, n) for offset, n in zip(at, sides)]
+        read = lambda offset, n: np.frombuffer(data, "<f2", layers * n * n * 4, offset).reshape(2, layers // 2, n, n, 4)
+        return [level for offset, n in zip(at, sides) for level in read(offset, n)]
 
     def variance(self, level):
         """Returns the variance of u and of v that a level averages over."""
-        return self.grid["finest"] ** 2 + self.grid["growth"] ** 2 * (4.0**level - 1.0)
+        return self.grid["finest"] ** 2 + self.grid["growth"] ** 2 * (2.0**level - 1.0)

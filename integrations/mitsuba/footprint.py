@@ -10,9 +10,8 @@ SPACING = 2.2
 REACH, LONG_REACH = 2.8, 4.0
 OVERHANG = 10.0
 KEPT = 0.9775
-MOST_OF_ROW, MOST_ASIDE = 201.0, 3.0
+MOST_OF_ROW = 201.0
 ROUND = 0.2
-BEND = 0.5
 LEAST = 1e-30
 
 
@@ -69,11 +68,11 @@ class Row:
     active: object
 
 
-def line(deviation, tap, most):
-    """Returns at most `most` places for a standard deviation, where each averages over the standard deviation `tap`."""
+def line(deviation, tap):
+    """Returns places for a standard deviation, where each averages over the standard deviation `tap`."""
     single = deviation <= ROUND * tap
     reach = dr.clip(LONG_REACH - OVERHANG * tap / dr.maximum(deviation, LEAST), REACH, LONG_REACH)
-    count = dr.clip(dr.ceil(2 * reach * deviation / (KEPT * SPACING * tap) + 1), 2, most)
+    count = dr.clip(dr.ceil(2 * reach * deviation / (KEPT * SPACING * tap) + 1), 2, MOST_OF_ROW)
     fall = 0.5 * dr.square(2 * reach / count)
 
     def add(n, norm, moment):
@@ -88,39 +87,28 @@ def line(deviation, tap, most):
 
 
 def rows(covariance, export):
-    """Returns the axis of the rows of taps for a footprint, and the rows: three, of which some may not be active."""
+    """Returns the axis of the rows of taps for a footprint, and the rows: two, of which the second may not be active."""
     finest, blur = export.grid["finest"] ** 2, export.blur
     per_growth, last = 1 / export.grid["growth"] ** 2, export.grid["levels"] - 1
     axis, longer, shorter = covariance.axes()
     part = 2 * LONG_REACH / (KEPT * SPACING * MOST_OF_ROW)
     own = dr.maximum(dr.maximum(shorter, finest), longer * (part * part) - blur)
-    level = dr.clip(dr.floor(0.5 * dr.log2(dr.maximum((own - finest) * per_growth + 1, 1))), 0, last)
-    read = finest + (dr.exp2(2 * level) - 1) / per_growth
-    following = finest + (dr.exp2(2 * level + 2) - 1) / per_growth
+    level = dr.clip(dr.floor(dr.log2(dr.maximum((own - finest) * per_growth + 1, 1))), 0, last)
+    read = finest + (dr.exp2(level) - 1) / per_growth
+    following = finest + (dr.exp2(level + 1) - 1) / per_growth
     rest = dr.maximum(own - read, 0)
-    along = lambda left, tap: line(dr.sqrt(dr.maximum(left, 0)), dr.sqrt(tap + blur), MOST_OF_ROW)
+    along = lambda left, tap: line(dr.sqrt(dr.maximum(left, 0)), dr.sqrt(tap + blur))
 
-    # Between two levels: a row of the finer one on either side and a row of the coarser one in the middle.
+    # Between two levels a row of each, both in the middle. Beyond the coarsest level, two rows of it side by side.
     between = level < last
-    s = dr.select(between, dr.minimum(rest / (following - read), 1), 0)
-    left = s * (1 - BEND * s) / (1 + s - BEND * s * s)
-    share = s * s * (1 + BEND - BEND * s)
+    # Together as high in the middle as the footprint is across.
+    finer, asked, coarser = (dr.rsqrt(variance + blur) for variance in (read, read + rest, following))
+    share = dr.select(between, dr.minimum((finer - asked) / (finer - coarser), 1), 0)
     whole = (longer - share * dr.maximum(longer, following)) / dr.maximum(1 - share, 1e-3)
-    # Beyond the coarsest level: up to three rows of it side by side.
-    beyond = line(dr.select(between, 0, dr.sqrt(rest)), dr.sqrt(read + blur), MOST_ASIDE)
-    distance = dr.select(between, dr.sqrt(left * (following - read)), beyond.step * dr.select(beyond.count > 2.5, 1, 0.5))
-    three = ~between & (beyond.count > 2.5)
-    many = (between & (s > 0)) | (beyond.count > 1.5)
-
-    finer = along(whole - read, read)
-    middle_weight = dr.select(between, dr.select(many, share, 1), 1 / beyond.norm)
-    side_weight = dr.select(between, 0.5 * (1 - share), dr.select(three, dr.exp(-beyond.fall), dr.exp(-0.25 * beyond.fall)) / beyond.norm)
-    coarser = between & many
-    middle = along(longer - dr.select(coarser, following, read), dr.select(coarser, following, read))
-    has_middle = coarser | three | ~many
-    middle_level = dr.select(coarser, level + 1, level)
+    beyond = ~between & (rest > ROUND * ROUND * (read + blur))
+    aside = dr.select(beyond, dr.sqrt(rest), 0)
+    second = dr.select(between, following, read)
     return axis, [
-        Row(middle, 0, middle_weight, middle_level, has_middle),
-        Row(finer, -distance, side_weight, level, many),
-        Row(finer, distance, side_weight, level, many),
+        Row(along(whole - read, read), -aside, dr.select(beyond, 0.5, 1 - share), level, mi.Bool(True)),
+        Row(along(longer - second, second), aside, dr.select(beyond, 0.5, share), dr.minimum(level + 1, last), (share > 0) | beyond),
     ]

@@ -17,7 +17,7 @@ import pathlib
 import struct
 import sys
 
-VERSIONS = (1, 2)
+VERSION = 3
 LARGEST_W = 2.0
 # Product of sines below which a direction is the normal.
 NORMAL = 1e-12
@@ -26,9 +26,7 @@ SPACING = 2.2
 REACH = 2.8
 TAPS_PER_DEVIATION = 5.729
 MOST_OF_ROW = 201
-MOST_ASIDE = 3
 ROUND = 0.2
-BEND = 0.5
 # XYZ to linear sRGB, IEC 61966-2-1.
 TO_SRGB = (
     (3.240969941904521, -1.537383177570094, -0.498610760293003),
@@ -44,22 +42,25 @@ class Texels:
         self.data = data = pathlib.Path(path).read_bytes()
         if data[:12] != b"\xabKTX 20\xbb\r\n\x1a\n":
             raise ValueError(f"{path} is no KTX2 file")
-        form, _, self.side, _, _, self.layers, _, levels, packed = struct.unpack_from("<9I", data, 12)
+        form, _, self.side, _, _, layers, _, mips, packed = struct.unpack_from("<9I", data, 12)
         if form != 97 or packed != 0:
             raise ValueError(f"{path} does not hold plain 16-bit floats")
-        self.offsets = [struct.unpack_from("<Q", data, 80 + 24 * level)[0] for level in range(levels)]
+        starts = [struct.unpack_from("<Q", data, 80 + 24 * mip)[0] for mip in range(mips)]
+        # Each mip level has the layers of one level, and then those of the next.
+        half = [4 * layers * (self.side >> mip) ** 2 for mip in range(mips)]
+        self.offsets = [start + odd * half[mip] for mip, start in enumerate(starts) for odd in (0, 1)]
 
     def at(self, level, layer, row, column):
         """Returns the four numbers of a texel."""
-        side = self.side >> level
+        side = self.side >> level // 2
         return struct.unpack_from("<4e", self.data, self.offsets[level] + 8 * ((layer * side + row) * side + column))
 
 
-def line(deviation, tap, most):
+def line(deviation, tap):
     """Returns places and weights that stand for a Gaussian of a standard deviation, where each averages over `tap`."""
     if deviation <= ROUND * tap:
         return [(0.0, 1.0)]
-    count = int(min(max(math.ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0), 2), most))
+    count = int(min(max(math.ceil(TAPS_PER_DEVIATION * deviation / (SPACING * tap) + 1.0), 2), MOST_OF_ROW))
     fall = 0.5 * (2.0 * REACH / count) ** 2
     steps = [i - 0.5 * (count - 1) for i in range(count)]
     weights = [math.exp(-fall * n * n) for n in steps]
@@ -97,7 +98,7 @@ class Material:
     def __init__(self, folder):
         folder = pathlib.Path(folder)
         about = json.loads((folder / "material.json").read_text())
-        if about.get("format") != "diffract-material" or about.get("version") not in VERSIONS:
+        if about.get("format") != "diffract-material" or about.get("version") != VERSION:
             raise ValueError(f"{folder} is no export of a version that is known here")
         table = json.loads((folder / "table.json").read_text())
         self.texels = Texels(folder / "table.ktx2")
@@ -115,7 +116,7 @@ class Material:
 
     def variance(self, level):
         """Returns the variance of u and of v that a level averages over."""
-        return self.grid["finest"] ** 2 + self.grid["growth"] ** 2 * (4.0**level - 1.0)
+        return self.grid["finest"] ** 2 + self.grid["growth"] ** 2 * (2.0**level - 1.0)
 
     def taps(self, uu, uv, vv):
         """Returns level, displacement and weight of each tap of a footprint with this covariance."""
@@ -127,34 +128,33 @@ class Material:
         part = TAPS_PER_DEVIATION / (SPACING * MOST_OF_ROW)
         own = max(shorter, self.grid["finest"] ** 2, longer * part * part - self.blur)
         ratio = max((own - self.grid["finest"] ** 2) / self.grid["growth"] ** 2 + 1.0, 1.0)
-        level = min(int(0.5 * math.log2(ratio)), self.grid["levels"] - 1)
+        level = min(int(math.log2(ratio)), self.grid["levels"] - 1)
         read, blur = self.variance(level), self.blur
         rest = max(own - read, 0.0)
 
         def row(left, tap):
-            return line(math.sqrt(max(left, 0.0)), math.sqrt(tap), MOST_OF_ROW)
+            return line(math.sqrt(max(left, 0.0)), math.sqrt(tap))
 
         if level + 1 < self.grid["levels"]:
             following = self.variance(level + 1)
-            s = min(rest / (following - read), 1.0)
-            share = s * s * (1.0 + BEND - BEND * s)
-            left = s * (1.0 - BEND * s) / (1.0 + s - BEND * s * s)
+            # Together as high in the middle as the footprint is across.
+            finer, asked, coarser = (1.0 / math.sqrt(variance + blur) for variance in (read, read + rest, following))
+            share = min((finer - asked) / (finer - coarser), 1.0)
             along = (longer - share * max(longer, following)) / max(1.0 - share, 1e-3) - read
-            aside = math.sqrt(left * (following - read))
-            finer = row(along, read + blur)
-            rows = [(level, -aside, 0.5 * (1.0 - share), finer), (level, aside, 0.5 * (1.0 - share), finer)]
+            rows = [(level, 0.0, 1.0 - share, row(along, read + blur))]
             rows.append((level + 1, 0.0, share, row(longer - following, following + blur)))
         else:
             along = row(longer - read, read + blur)
-            asides = line(math.sqrt(rest), math.sqrt(read + blur), MOST_ASIDE)
-            rows = [(level, aside, weight, along) for aside, weight in asides]
+            side_by_side = rest > ROUND**2 * (read + blur)
+            sides = ((-1.0, 0.5), (1.0, 0.5)) if side_by_side else ((0.0, 1.0),)
+            rows = [(level, side * math.sqrt(rest), weight, along) for side, weight in sides]
         for level, aside, weight, places in rows:
             for place, share in places:
                 yield level, (x * place - y * aside, y * place + x * aside), weight * share
 
     def add(self, total, weight, piece, place, level):
         """Adds `weight` times the coordinates at a place, linear between texels and 0 outside."""
-        side = self.texels.side >> level
+        side = self.texels.side >> level // 2
         at = [(x + self.grid["extent"]) * side / (2.0 * self.grid["extent"]) - 0.5 for x in place]
         left, low = (math.floor(x) for x in at)
         right_share, high_share = at[0] - left, at[1] - low

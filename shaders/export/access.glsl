@@ -15,7 +15,7 @@ struct Table {
     float coherence;      // variance of u that coherence averages over
     float unit;           // what a stored 1 stands for [1/sr]
     float finest;         // variance of u that the finest level averages over
-    float per_growth;     // 1 over the variance by which levels grow
+    float per_growth;     // 1 over the variance by which level 1 is wider than the finest
     float pieces;         // of the range of |w|
     float last_level;
 };

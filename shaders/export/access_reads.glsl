@@ -1,10 +1,10 @@
 // Reads from the textures of an export.
 
-vec4 table_texel(vec3 place, float level) {
-    float side = float(textureSize(table, int(level)).x);
+vec4 table_texel(vec3 place, float mip) {
+    float side = float(textureSize(table, int(mip)).x);
     // Beyond the outermost texels the numbers fall to 0 within one texel.
     vec2 inside = clamp(0.5 * side + 0.5 - abs(place.xy - 0.5) * side, 0.0, 1.0);
-    return inside.x * inside.y * textureLod(table, place, level);
+    return inside.x * inside.y * textureLod(table, place, mip);
 }
 
 vec4 table_cubic(int column, int piece) {

@@ -137,12 +137,12 @@ impl MeanBrdf<'_> {
         }
     }
 
-    /// Returns the BRDF \[sr⁻¹\] at `wavelength` \[µm\] by the direct sum, without a limit of energy; 0 below the horizon.
-    pub fn brdf(&self, pair: &Pair, wavelength: f64) -> f64 {
+    /// Returns the BRDF \[sr⁻¹\] at `wavelength` \[µm\] by the direct sum, averaged over `footprint`, without a limit of energy; 0 below the horizon.
+    pub fn brdf(&self, pair: &Pair, wavelength: f64, footprint: &Covariance) -> f64 {
         if !pair.above_horizon() {
             return 0.0;
         }
-        let power = self.power(pair.uvw(), 1.0 / wavelength, &Covariance::default());
+        let power = self.power(pair.uvw(), 1.0 / wavelength, footprint);
         self.reflectance.cosine_weighted(pair, wavelength, 1.0, power) / pair.light.z
     }
 }
@@ -176,7 +176,7 @@ mod tests {
         let moved = field.moved(7, 3);
         let of = |field| {
             let mean = MeanBrdf { field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
-            DIRECTIONS.map(|d| mean.brdf(&pair(d), 0.5))
+            DIRECTIONS.map(|d| mean.brdf(&pair(d), 0.5, &Covariance::default()))
         };
         for (a, b) in of(&field).into_iter().zip(of(&moved)) {
             assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
@@ -213,7 +213,7 @@ mod tests {
         let mean = MeanBrdf { field: &field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
         for directions in DIRECTIONS {
             let pair = pair(directions);
-            let exact = mean.brdf(&pair, 0.55);
+            let exact = mean.brdf(&pair, 0.55, &Covariance::default());
             let error = |n: u32| {
                 let windows = Reference::new(&field, coherence, [n, n], 1.5).brdf(&pair, 0.55);
                 (windows / exact - 1.0).abs()

@@ -19,6 +19,7 @@ pub struct MeanFromOrders<'a> {
     mean: MeanBrdf<'a>,
     illuminant: &'a Illuminant,
     sampling: ColourSampling,
+    footprint: Covariance,
     // Series for wavelengths from SHORTEST/2ⁿ, with n, made on first use.
     tables: Vec<(u32, TabulatedMean<'a>)>,
 }
@@ -26,7 +27,13 @@ pub struct MeanFromOrders<'a> {
 impl<'a> MeanFromOrders<'a> {
     /// Prepares the mean `mean`, with colours under `illuminant` within the relative error `tolerance`.
     pub fn new(mean: MeanBrdf<'a>, illuminant: &'a Illuminant, tolerance: f64) -> Self {
-        Self { mean, illuminant, sampling: ColourSampling::within(tolerance), tables: Vec::new() }
+        Self {
+            mean,
+            illuminant,
+            sampling: ColourSampling::within(tolerance),
+            footprint: Covariance::default(),
+            tables: Vec::new(),
+        }
     }
 
     /// Returns the series for `wavelength` \[µm\]: for all visible light, or for shorter wavelengths by octaves.
@@ -50,12 +57,23 @@ impl<'a> MeanFromOrders<'a> {
 
 impl Brdf for MeanFromOrders<'_> {
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
-        Ok(spectral(self.table(wavelength)?, pairs, wavelength))
+        let footprint = self.footprint;
+        Ok(spectral(self.table(wavelength)?, pairs, wavelength, &footprint))
     }
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
+        let (illuminant, footprint) = (self.illuminant, self.footprint);
+        xyz(self.table(SHORTEST)?, pairs, illuminant, &footprint)
+    }
+
+    fn average_over(&mut self, footprint: &Covariance) -> bool {
+        self.footprint = *footprint;
+        true
+    }
+
+    fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
         let illuminant = self.illuminant;
-        xyz(self.table(SHORTEST)?, pairs, illuminant)
+        Ok(self.table(wavelength.unwrap_or(SHORTEST))?.sent(light, wavelength, illuminant))
     }
 
     fn batch(&self) -> usize {
@@ -63,9 +81,9 @@ impl Brdf for MeanFromOrders<'_> {
     }
 }
 
-fn spectral(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64) -> Vec<f64> {
+fn spectral(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64, footprint: &Covariance) -> Vec<f64> {
     let one = |pair: &Pair| {
-        let weighted = table.unlimited(pair, wavelength, &Covariance::default());
+        let weighted = table.unlimited(pair, wavelength, footprint);
         without_cosine(pair, DVec3::splat(weighted)).x
     };
     limited(table, pairs, wavelength, pairs.par_iter().map(one).collect())
@@ -81,8 +99,13 @@ fn limited(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64, values: V
     }
 }
 
-fn xyz(table: &TabulatedMean<'_>, pairs: &[Pair], illuminant: &Illuminant) -> Result<Vec<DVec3>> {
-    let asked: Vec<_> = pairs.iter().map(|pair| (*pair, Covariance::default())).collect();
+fn xyz(
+    table: &TabulatedMean<'_>,
+    pairs: &[Pair],
+    illuminant: &Illuminant,
+    footprint: &Covariance,
+) -> Result<Vec<DVec3>> {
+    let asked: Vec<_> = pairs.iter().map(|pair| (*pair, *footprint)).collect();
     let weighted = table.xyz(illuminant, &asked, SummedOrders::All, &|_, _| Ok(()))?;
     Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
 }
@@ -93,6 +116,7 @@ pub struct MeanReference<'a> {
     mean: MeanBrdf<'a>,
     illuminant: &'a Illuminant,
     shortest: f64,
+    footprint: Covariance,
     answered: usize,
     table: Option<TabulatedMean<'a>>,
     too_large: bool,
@@ -104,7 +128,15 @@ const WORTH_A_TABLE: usize = 24;
 impl<'a> MeanReference<'a> {
     /// Prepares the reference for wavelengths from `shortest` \[µm\], with colours under `illuminant`.
     pub fn new(mean: MeanBrdf<'a>, illuminant: &'a Illuminant, shortest: f64) -> Self {
-        Self { mean, illuminant, shortest, answered: 0, table: None, too_large: false }
+        Self {
+            mean,
+            illuminant,
+            shortest,
+            footprint: Covariance::default(),
+            answered: 0,
+            table: None,
+            too_large: false,
+        }
     }
 
     /// Returns the series of all orders, made on first use.
@@ -122,14 +154,15 @@ impl Brdf for MeanReference<'_> {
     fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
         self.answered += pairs.len();
         let many = self.answered > WORTH_A_TABLE;
+        let footprint = self.footprint;
         if many && !self.too_large {
             match self.table() {
-                Ok(table) => return Ok(spectral(table, pairs, wavelength)),
+                Ok(table) => return Ok(spectral(table, pairs, wavelength, &footprint)),
                 // The direct sum needs no memory.
                 Err(_) => self.too_large = true,
             }
         }
-        let values = pairs.iter().map(|pair| self.mean.brdf(pair, wavelength)).collect();
+        let values = pairs.iter().map(|pair| self.mean.brdf(pair, wavelength, &footprint)).collect();
         if !self.mean.reflectance.is_limited() {
             return Ok(values);
         }
@@ -138,8 +171,18 @@ impl Brdf for MeanReference<'_> {
     }
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
+        let (illuminant, footprint) = (self.illuminant, self.footprint);
+        xyz(self.table()?, pairs, illuminant, &footprint)
+    }
+
+    fn average_over(&mut self, footprint: &Covariance) -> bool {
+        self.footprint = *footprint;
+        true
+    }
+
+    fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
         let illuminant = self.illuminant;
-        xyz(self.table()?, pairs, illuminant)
+        Ok(self.table()?.sent(light, wavelength, illuminant))
     }
 
     fn batch(&self) -> usize {
@@ -188,7 +231,7 @@ mod tests {
         let albedo = orders.albedo(Decimation::Fine);
         let mut limited = 0;
         for (pair, found) in pairs.iter().zip(found) {
-            let free = mean.brdf(pair, 0.5);
+            let free = mean.brdf(pair, 0.5, &Covariance::default());
             let limit = albedo.single(pair, 0.5);
             assert!((found * limit - free).abs() <= 1e-3 * free, "{found} {limit} {free}");
             limited += usize::from(limit > 1.01);
@@ -213,7 +256,7 @@ mod tests {
             for wavelength in [0.3, 0.45, 0.7] {
                 let found = answers.spectral(&pairs, wavelength).unwrap();
                 for (pair, found) in pairs.iter().zip(found) {
-                    let exact = mean(&field).brdf(pair, wavelength);
+                    let exact = mean(&field).brdf(pair, wavelength, &Covariance::default());
                     if exact == 0.0 {
                         // Beyond the frequencies resolved by the samples.
                         assert_eq!(found, 0.0);

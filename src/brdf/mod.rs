@@ -15,6 +15,7 @@ pub use mean_answers::{MeanFromOrders, MeanReference};
 pub use orders::DiffractionOrder;
 
 use crate::error::Result;
+use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use glam::DVec3;
 
@@ -32,6 +33,22 @@ pub trait Brdf {
     /// # Errors
     /// Fails if a colour needs too many wavelengths or the device is lost.
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>>;
+
+    /// Averages all further answers over `footprint` of (u, v), if the method can; returns whether it does.
+    fn average_over(&mut self, footprint: &Covariance) -> bool {
+        let _ = footprint;
+        false
+    }
+
+    /// Returns the share of the light from `light` that all orders together send into all directions: at `wavelength` \[µm\], or the luminance
+    /// of the colour. `None` if the method does not sum orders.
+    ///
+    /// # Errors
+    /// Those of [`Brdf::spectral`] and [`Brdf::xyz`].
+    fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
+        let _ = (light, wavelength);
+        Ok(None)
+    }
 
     /// Returns the suitable number of pairs per call: few enough for a progress bar to move.
     fn batch(&self) -> usize {

@@ -143,6 +143,7 @@ fn propagating(field: &HeightField, light: DVec3, wavelength: f64) -> Vec<([i64;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filter::Covariance;
     use crate::optics::geometry::direction;
 
     const GREEN: f64 = 0.55;
@@ -169,7 +170,8 @@ mod tests {
         for order in found.iter().filter(|order| order.view.z > 0.5).step_by(7) {
             let at = |i: i32, j: i32| {
                 let xy = order.view.truncate() + DVec2::new(f64::from(i), f64::from(j)) * step;
-                brdf.brdf(&Pair::new(light, xy.extend((1.0 - xy.length_squared()).sqrt())), GREEN)
+                let view = xy.extend((1.0 - xy.length_squared()).sqrt());
+                brdf.brdf(&Pair::new(light, view), GREEN, &Covariance::default())
             };
             let sum: f64 = (-6..=6).flat_map(|j| (-6..=6).map(move |i| (i, j))).map(|(i, j)| at(i, j)).sum();
             let share = sum * step * step;

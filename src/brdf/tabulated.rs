@@ -12,6 +12,7 @@ use crate::filter::Covariance;
 use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
 use crate::optics::nufft::Progress;
+use crate::optics::polarisation::Polarisation;
 use crate::optics::quadrature::{SPAN, Wavelengths};
 use crate::optics::spectrum::{Illuminant, LONGEST};
 use crate::spectra::power::{
@@ -148,6 +149,26 @@ impl<'a> TabulatedMean<'a> {
     /// Returns the directional albedo of the orders.
     pub fn albedo(&self, decimation: Decimation) -> DirectionalAlbedo {
         DirectionalAlbedo::new(&self.series, &self.mean.reflectance, decimation)
+    }
+
+    /// Returns the share of the light from `light` that the orders send into all directions, within the limit of energy: at `wavelength` \[µm\], or
+    /// the luminance of the colour under `illuminant`. `None` for polarised light.
+    pub fn sent(&self, light: DVec3, wavelength: Option<f64>, illuminant: &Illuminant) -> Option<f64> {
+        if self.mean.reflectance.polarisation() != Polarisation::None {
+            return None;
+        }
+        let orders = self.albedo(Decimation::Coarse);
+        let is_limited = self.limit.is_some();
+        let Some(wavelength) = wavelength else {
+            let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
+            let share =
+                |view| energy.as_ref().map_or(1.0, |energy| 1.0 / energy.limit(&Pair::new(light, view)));
+            let wavelengths = Wavelengths::catmull_rom(illuminant, self.sampling.nodes);
+            return Some(wavelengths.integral(|wavelength| orders.sent(light, wavelength, share)).y);
+        };
+        let of_light = orders.excess(light, wavelength).max(1.0);
+        let share = |view| if is_limited { 1.0 / of_light.max(orders.excess(view, wavelength)) } else { 1.0 };
+        Some(orders.sent(light, wavelength, share))
     }
 
     /// Returns the limit of energy, if there is one.

@@ -151,8 +151,8 @@ fn colours(bytes: &[u8]) -> Result<()> {
         return Err(Error::failed("there is no colour table in it", "bake one"));
     };
     // Checks the sizes of the textures, and reads outside of the table.
-    for (level, texels) in table.levels.iter().enumerate() {
-        let count = table.header.grid.side_of(level).pow(2) * table.header.basis.layers() * 4;
+    for (mip, texels) in table.mips.iter().enumerate() {
+        let count = table.header.numbers_of_mip(mip);
         assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
     }
     let reader = TableReader::new(&table);

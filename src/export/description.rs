@@ -2,7 +2,6 @@
 
 use super::{ExportSettings, ExportedMaterial};
 use crate::error::{Error, Result};
-use crate::optics::theory::Theory;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::surface::HeightField;
 use serde::{Deserialize, Serialize};
@@ -11,10 +10,8 @@ use std::collections::BTreeMap;
 
 /// Word by which an export is known.
 const FORMAT: &str = "diffract-material";
-/// Version of the format. It changes whenever a reader of the former one would misread an export. Version 1 had Stam's theory alone, and 16 bands of the specular order.
-const VERSION: u64 = 2;
-/// Oldest version that is read.
-const OLDEST: u64 = 1;
+/// Version of the format. It changes whenever a reader of the former one would misread an export. Levels of version 2 were an octave apart.
+const VERSION: u64 = 3;
 
 /// Everything about an exported material but its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +37,6 @@ pub struct MaterialDescription {
     /// Reflectance of the surface, which the table holds.
     pub reflectance: Value,
     /// Theory of the factor: `small-slope` or `stam`.
-    #[serde(default = "theory_of_version_1")]
     pub theory: String,
     /// Errors of scalar theory for this surface and material, in words.
     pub scalar_theory: String,
@@ -54,8 +50,7 @@ pub struct MaterialDescription {
     pub errors: MeasuredErrors,
     /// Size and check sum of each other file.
     pub files: BTreeMap<String, FileSum>,
-    /// BLAKE3 of the text of `material.json` with zeros in place of these 64 hexadecimal digits; empty in version 1.
-    #[serde(default)]
+    /// BLAKE3 of the text of `material.json` with zeros in place of these 64 hexadecimal digits.
     pub description_blake3: String,
 }
 
@@ -148,7 +143,7 @@ const CONVENTIONS: [(&str, &str); 7] = [
     ),
     (
         "texels",
-        "Layer = piece * texels + texel; rows grow with -v, columns with -u. A number is a coordinate in the cubics of table.json, times its unit.",
+        "Mip level m has the layers of level 2m and then those of level 2m + 1, each of them layer = piece * texels + texel. Rows grow with -v, columns with -u. A number is a coordinate in the cubics of table.json, times its unit.",
     ),
     ("below_horizon", "0 where either direction has z <= 0."),
 ];
@@ -203,9 +198,6 @@ impl MaterialDescription {
 
     /// Fails unless the check sum is that of `text`, from which the description was read.
     fn check_sum(&self, text: &str) -> Result<()> {
-        if self.version == OLDEST && self.description_blake3.is_empty() {
-            return Ok(());
-        }
         let is_sum = self.description_blake3.len() == BLANK_SUM.len();
         let blank = text.replacen(&self.description_blake3, BLANK_SUM, 1);
         if is_sum && FileSum::new(blank.as_bytes()).blake3 == self.description_blake3 {
@@ -258,17 +250,10 @@ impl MaterialDescription {
         ))
     }
 
-    /// Adds the theory to the reflectance of a version that had one alone.
-    fn name_theory(&mut self) {
-        if let Some(fresnel) = self.reflectance.get_mut("Fresnel").and_then(Value::as_object_mut) {
-            fresnel.entry("theory").or_insert_with(|| self.theory.clone().into());
-        }
-    }
-
     /// Reads the text of `material.json`.
     ///
     /// # Errors
-    /// Text that is no description, and a newer version.
+    /// Text that is no description, and another version.
     pub fn parse(text: &str) -> Result<Self> {
         let broken = |e: serde_json::Error| {
             Error::failed(format!("it is no description of a material ({e})"), "export the material again")
@@ -278,15 +263,18 @@ impl MaterialDescription {
             return Err(Error::failed("it is no description of a material", "give the folder of an export"));
         }
         match value["version"].as_u64() {
-            Some(OLDEST..=VERSION) => {
-                let mut found: Self = serde_json::from_value(value).map_err(broken)?;
+            Some(VERSION) => {
+                let found: Self = serde_json::from_value(value).map_err(broken)?;
                 found.check_sum(text)?;
-                found.name_theory();
                 Ok(found)
             }
-            Some(newer) if newer > VERSION => Err(Error::failed(
-                format!("it has version {newer} of the format, and this program reads version {VERSION}"),
-                "read it with a newer program, or export the material again",
+            Some(other) => Err(Error::failed(
+                format!("it has version {other} of the format, and this program reads version {VERSION}"),
+                if other > VERSION {
+                    "read it with a newer program, or export the material again"
+                } else {
+                    "export the material again"
+                },
             )),
             _ => Err(Error::failed(
                 "it names no version of the format that is known",
@@ -294,11 +282,6 @@ impl MaterialDescription {
             )),
         }
     }
-}
-
-/// Returns the theory of exports that name none.
-fn theory_of_version_1() -> String {
-    Theory::Stam.name().to_owned()
 }
 
 /// True if `value` says that it describes a material, in whichever version.

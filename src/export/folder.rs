@@ -324,9 +324,9 @@ mod tests {
         assert!(e.contains("no description"), "{e}");
         let e = reason(MATERIAL, &|bytes| {
             let text = String::from_utf8(bytes.clone()).unwrap();
-            *bytes = text.replace("\"version\": 2", "\"version\": 3").into_bytes();
+            *bytes = text.replace("\"version\": 3", "\"version\": 4").into_bytes();
         });
-        assert!(e.contains("version 3") && e.contains("newer program"), "{e}");
+        assert!(e.contains("version 4") && e.contains("newer program"), "{e}");
         // Each byte of the description counts.
         let _ = fs::remove_dir_all(&folder);
         export(&folder).unwrap();

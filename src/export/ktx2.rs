@@ -1,6 +1,6 @@
-//! Texels of a colour table as a KTX 2.0 container: a 2D array of RGBA16F with all levels, without supercompression.
+//! Texels of a colour table as a KTX 2.0 container: a 2D array of RGBA16F with all mip levels, without supercompression.
 //!
-//! Layer = piece × texels per place + texel. Columns and rows grow with the x and y of light + viewer, −(u, v), which the container says by the orientation `ru`. The specification is "KTX File Format
+//! Mip level m has the layers of level 2m of the table and then those of level 2m + 1, each of which has layer = piece × texels per place + texel. Columns and rows grow with the x and y of light + viewer, −(u, v), which the container says by the orientation `ru`. The specification is "KTX File Format
 //! Specification 2.0", Khronos Group; the data format descriptor is that of "Khronos Data Format Specification 1.3", section 5.
 
 use crate::error::{Error, Result};
@@ -40,8 +40,8 @@ pub fn write(table: &ColorTable) -> Vec<u8> {
         format: FORMAT,
         float: size_of::<f16>(),
         size: [table.header.grid.side; 2],
-        layers: table.header.basis.layers(),
-        levels: table.levels.iter().map(bytes).collect(),
+        layers: table.header.layers(),
+        levels: table.mips.iter().map(bytes).collect(),
         orientation: "ru",
     })
 }
@@ -144,7 +144,7 @@ fn words(bytes: &mut Vec<u8>, values: &[u32]) {
     bytes.extend(values.iter().flat_map(|x| x.to_le_bytes()));
 }
 
-/// Reads the levels of the table of `header` from the container `bytes`.
+/// Reads the mip levels of the table of `header` from the container `bytes`.
 ///
 /// # Errors
 /// A container that is damaged, of another format, or not of the size that `header` has.
@@ -153,7 +153,7 @@ pub fn read(bytes: &[u8], header: &TableHeader) -> Result<Vec<Vec<f16>>> {
     let reader = Reader::new(bytes).map_err(|e| refused(format!("it is no KTX2 file ({e})")))?;
     let held = reader.header();
     let grid = &header.grid;
-    let expected = (FORMAT, grid.side, grid.side, header.basis.layers(), grid.levels, true);
+    let expected = (FORMAT, grid.side, grid.side, header.layers(), grid.mips(), true);
     let found = (
         held.format.map_or(0, |format| format.value()),
         held.pixel_width as usize,
@@ -179,12 +179,12 @@ mod tests {
         let (_, table) = small_table();
         let bytes = write(&table);
         let reader = Reader::new(&bytes[..]).unwrap();
-        assert_eq!(reader.header().layer_count as usize, table.header.basis.layers());
+        assert_eq!(reader.header().layer_count as usize, table.header.layers());
         assert_eq!(reader.header().type_size, 2);
         let notes: Vec<_> =
             reader.key_value_data().map(|(key, value)| (key.to_owned(), value.to_vec())).collect();
         assert_eq!(notes[0], ("KTXorientation".to_owned(), b"ru\0".to_vec()));
-        assert_eq!(read(&bytes, &table.header).unwrap(), table.levels);
+        assert_eq!(read(&bytes, &table.header).unwrap(), table.mips);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Texels of a colour table as an OpenEXR file of many parts, for programs that read no KTX2.
 //!
-//! Part `levelL.layerNN` has the channels R, G, B and A of layer NN of level L as 16-bit floats. Its first row is that of the smallest y of light + viewer, as in the KTX2
+//! Part `levelL.layerNN` has the channels R, G, B and A of layer NN of mip level L as 16-bit floats. Its first row is that of the smallest y of light + viewer, as in the KTX2
 //! file, although pictures in OpenEXR usually begin at the top.
 
 use crate::error::{Error, Result};
@@ -18,8 +18,8 @@ use std::io::Cursor;
 /// Numbers that the format cannot hold.
 pub fn write(table: &ColorTable) -> Result<Vec<u8>> {
     let mut parts = Vec::new();
-    for (level, numbers) in table.levels.iter().enumerate() {
-        let side = table.header.grid.side_of(level);
+    for (level, numbers) in table.mips.iter().enumerate() {
+        let side = table.header.grid.side >> level;
         for (layer, texels) in numbers.chunks_exact(side * side * 4).enumerate() {
             let attributes = LayerAttributes::named(format!("level{level}.layer{layer:02}").as_str());
             parts.push(Layer::new((side, side), attributes, Encoding::SMALL_LOSSLESS, channels(texels)));
@@ -60,16 +60,16 @@ mod tests {
         let path = folder.path().join("table.exr");
         std::fs::write(&path, write(&table).unwrap()).unwrap();
         let image = read_all_flat_layers_from_file(&path).unwrap();
-        let layers = table.header.basis.layers();
-        assert_eq!(image.layer_data.len(), layers * table.header.grid.levels);
+        let layers = table.header.layers();
+        assert_eq!(image.layer_data.len(), layers * table.header.grid.mips());
         for (i, part) in image.layer_data.iter().enumerate() {
             let (level, layer) = (i / layers, i % layers);
             assert_eq!(
                 part.attributes.layer_name.as_ref().unwrap().to_string(),
                 format!("level{level}.layer{layer:02}")
             );
-            let side = table.header.grid.side_of(level);
-            let texels = &table.levels[level][layer * side * side * 4..][..side * side * 4];
+            let side = table.header.grid.side >> level;
+            let texels = &table.mips[level][layer * side * side * 4..][..side * side * 4];
             for channel in &part.channel_data.list {
                 let place = ["R", "G", "B", "A"].iter().position(|name| channel.name.eq(name)).unwrap();
                 let FlatSamples::F16(held) = &channel.sample_data else { panic!("no 16-bit floats") };

@@ -89,13 +89,49 @@ impl Measurement {
     fn is_advisable(&self) -> bool {
         self.is_own() && !self.breaks_promise()
     }
+
+    /// Returns the question that the setting answers.
+    fn question(&self) -> Question {
+        if self.flags.contains("--windows") { Question::Window } else { Question::Mean }
+    }
+
+    /// Returns true if the error is at most `error`, as far as two digits tell.
+    fn keeps(&self, error: f64) -> bool {
+        format!("{:.1e}", self.relative_l2).parse().is_ok_and(|rounded: f64| rounded <= error)
+    }
 }
 
-/// Returns for each measurement if it is on the Pareto front: no other is at least as fast and as accurate, and better
+/// Question whose answer a setting approximates. Errors of settings are against the exact answer of their own question.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// What a pixel sees: the mean over all coherence areas.
+    Mean,
+    /// The light through one window.
+    Window,
+}
+
+impl Question {
+    /// Returns the question in words.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "what a pixel sees, the mean over all windows",
+            Self::Window => "the light through one window",
+        }
+    }
+
+    /// Returns the question that `rows` are asked: the mean, if a row answers it.
+    fn asked(rows: &[Measurement]) -> Self {
+        let is_mean = |row: &Measurement| row.is_own() && row.question() == Self::Mean;
+        if rows.iter().any(is_mean) { Self::Mean } else { Self::Window }
+    }
+}
+
+/// Returns for each measurement if it is on the Pareto front of its question: no other is at least as fast and as accurate, and better
 /// in one of the two.
 pub fn pareto(rows: &[Measurement]) -> Vec<bool> {
     let better = |a: &Measurement, b: &Measurement| {
-        a.frame_ms <= b.frame_ms
+        a.question() == b.question()
+            && a.frame_ms <= b.frame_ms
             && a.relative_l2 <= b.relative_l2
             && (a.frame_ms < b.frame_ms || a.relative_l2 < b.relative_l2)
     };
@@ -104,15 +140,26 @@ pub fn pareto(rows: &[Measurement]) -> Vec<bool> {
         .collect()
 }
 
-/// Returns recommendations: the fastest setting within each error, the most accurate one at each frame rate.
+/// Returns recommendations for each question that was measured: the fastest setting within each error, the most accurate one at each frame
+/// rate.
 pub fn advice(rows: &[Measurement]) -> String {
-    let rows: Vec<&Measurement> = rows.iter().filter(|row| row.is_advisable()).collect();
+    let mut text = String::new();
+    for question in [Question::Mean, Question::Window] {
+        let of_question: Vec<&Measurement> =
+            rows.iter().filter(|row| row.is_advisable() && row.question() == question).collect();
+        if !of_question.is_empty() || question == Question::asked(rows) {
+            text += &format!("For {}:\n{}", question.name(), advice_of(&of_question));
+        }
+    }
+    text
+}
+
+/// Returns the recommendations among `rows` of one question.
+fn advice_of(rows: &[&Measurement]) -> String {
     let mut lines = Vec::new();
     for error in [1e-1, 3e-2, 1e-2, 3e-3, 1e-3] {
-        let fastest = rows
-            .iter()
-            .filter(|row| row.relative_l2 <= error)
-            .min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
+        let fastest =
+            rows.iter().filter(|row| row.keeps(error)).min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
         lines.push(match fastest {
             Some(row) => format!(
                 "error {error:.0e}: {} ({:.2} fps, measured error {:.1e})",
@@ -139,12 +186,13 @@ pub fn advice(rows: &[Measurement]) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Returns the best setting within `error`, at `fps`, or both: the fastest within the error, or the most accurate at
+/// Returns the best setting of the question that `rows` are asked within `error`, at `fps`, or both: the fastest within the error, or the most accurate at
 /// the frame rate. If none satisfies both, names the nearest on either side.
 pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> String {
-    let advisable = || rows.iter().filter(|row| row.is_advisable());
+    let question = Question::asked(rows);
+    let advisable = || rows.iter().filter(|row| row.is_advisable() && row.question() == question);
     let (error_kept, rate_kept) = (
-        |row: &&Measurement| error.is_none_or(|e| row.relative_l2 <= e),
+        |row: &&Measurement| error.is_none_or(|e| row.keeps(e)),
         |row: &&Measurement| fps.is_none_or(|f| row.fps() >= f),
     );
     let fastest = advisable().filter(error_kept).min_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
@@ -229,7 +277,16 @@ pub fn markdown(rows: &[Measurement], heading: &str, impossible: &[(String, Stri
             text += &format!("- `{flags}`: {why}\n");
         }
     }
-    text + "\n## Advice\n\n" + &advice(rows).lines().map(|line| format!("- {line}\n")).collect::<String>()
+    text + "\n## Advice\n\n" + &in_list(&advice(rows))
+}
+
+/// Formats lines of advice as lists below their questions.
+fn in_list(advice: &str) -> String {
+    let line = |line: &str| match line.strip_suffix(':') {
+        Some(question) => format!("\n{question}:\n\n"),
+        None => format!("- {line}\n"),
+    };
+    advice.lines().map(line).collect::<String>().trim_start().to_owned()
 }
 
 #[cfg(test)]
@@ -285,9 +342,26 @@ mod tests {
         let rows = [row("--a", 10.0, 5e-2), row("--b", 60.0, 2e-3), row("--c", 500.0, 5e-4)];
         let said = advice(&rows);
         let lines: Vec<&str> = said.lines().collect();
-        assert!(lines[0].contains("--a") && lines[1].contains("--b") && lines[4].contains("--c"), "{said}");
-        assert!(lines[5].starts_with("15 fps: --b") && lines[6].starts_with("60 fps: --a"), "{said}");
+        assert!(lines[1].contains("--a") && lines[2].contains("--b") && lines[5].contains("--c"), "{said}");
+        assert!(lines[6].starts_with("15 fps: --b") && lines[7].starts_with("60 fps: --a"), "{said}");
         assert!(advice(&rows[2..]).contains("no setting is so fast here"));
+    }
+
+    #[test]
+    fn a_setting_that_answers_another_question_is_no_advice() {
+        let window = row("--windows 1x1 --basis optimal", 5.0, 2.3e-3);
+        let rows =
+            [window.clone(), row("--method table", 8.0, 1.04e-2), row("--method table --size", 9.0, 1.06e-2)];
+        // 1.04e-2 is 1.0e-2 in the table, 1.06e-2 is 1.1e-2.
+        assert!(wanted(&rows, Some(1e-2), None).starts_with("asked for: --method table (error 1.0e-2"));
+        assert!(wanted(&rows[2..], Some(1e-2), None).contains("no measured setting"));
+        let said = advice(&rows);
+        let (mean, window_s) = said.split_once("For the light through one window:\n").unwrap();
+        assert!(mean.starts_with("For what a pixel sees") && !mean.contains("--windows"), "{said}");
+        assert!(window_s.contains("error 1e-2: --windows 1x1"), "{said}");
+        assert_eq!(pareto(&rows), [true, true, false], "questions do not compete");
+        // Where only one window was measured, it is what is asked for.
+        assert!(wanted(&[window], Some(1e-2), None).starts_with("asked for: --windows 1x1"));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::brdf::albedo::DirectionalAlbedo;
 use crate::brdf::energy_map::EnergyMap;
 use crate::brdf::{Brdf, without_cosine};
 use crate::error::Result;
+use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
@@ -23,6 +24,8 @@ pub type MakeLimit<'a> = dyn Fn() -> Result<Option<Arc<DirectionalAlbedo>>> + 'a
 /// here in f64, which resolves orders of any sharpness.
 pub struct DeviceBrdf<'a> {
     evaluator: Evaluator,
+    // True if the source averages over footprints.
+    averages: bool,
     grating: Option<PeriodicFactor>,
     limit: Option<&'a MakeLimit<'a>>,
     // Limit of the colours of a grating, which are sums over single wavelengths.
@@ -45,6 +48,7 @@ impl<'a> DeviceBrdf<'a> {
         };
         Ok(Self {
             evaluator: Evaluator::new(device, source, optics)?,
+            averages: matches!(source, Source::Table(_)),
             grating,
             limit: None,
             energy: source.energy().cloned(),
@@ -85,6 +89,12 @@ impl Brdf for DeviceBrdf<'_> {
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
         self.ask(pairs, None)
+    }
+
+    fn average_over(&mut self, footprint: &Covariance) -> bool {
+        // The footprints of maps are round.
+        self.evaluator.average_over(if self.averages { footprint.uu.sqrt() } else { 0.0 });
+        self.averages
     }
 
     fn batch(&self) -> usize {

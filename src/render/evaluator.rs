@@ -44,9 +44,11 @@ struct QueryBlock {
 /// Push constants of `eval.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-struct Count {
+struct Asked {
     part: Part,
     queries: u32,
+    // Standard deviation of u and of v that answers average over.
+    footprint: f32,
 }
 
 /// Binding numbers of set 0.
@@ -77,6 +79,7 @@ pub(super) fn queries_and_answers(
 pub struct Evaluator {
     pass: QueryPass,
     source: BoundSource,
+    footprint: f64,
 }
 
 impl Evaluator {
@@ -86,7 +89,12 @@ impl Evaluator {
     /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, source: &Source, optics: &Optics) -> Result<Self> {
         let source = source.bind(device, optics)?;
-        Ok(Self { pass: QueryPass::new(device, &source)?, source })
+        Ok(Self { pass: QueryPass::new(device, &source)?, source, footprint: 0.0 })
+    }
+
+    /// Averages all further answers over a round footprint of standard deviation `footprint` of (u, v). Only tables do.
+    pub fn average_over(&mut self, footprint: f64) {
+        self.footprint = footprint;
     }
 
     /// Returns f·cos θ_i \[sr⁻¹\] of every query, in order: the value at the wavelength in the first component, or the
@@ -95,7 +103,7 @@ impl Evaluator {
     /// # Errors
     /// Fails if the device is lost, or if a source of colours is asked for a single wavelength.
     pub fn cosine_weighted(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        self.pass.ask(&self.source, queries)
+        self.pass.ask(&self.source, queries, self.footprint)
     }
 
     /// Returns the same of one period of a grating, without the periodic factor.
@@ -103,7 +111,7 @@ impl Evaluator {
     /// # Errors
     /// Fails if the device is lost.
     pub(super) fn of_one_period(&mut self, queries: &[Query]) -> Result<Vec<DVec3>> {
-        self.pass.submit(&self.source, queries)
+        self.pass.submit(&self.source, queries, 0.0)
     }
 }
 
@@ -130,37 +138,37 @@ impl QueryPass {
         let descriptors = queries_and_answers(device, &queries, &answers)?;
         let code = source.eval().with(source.constants());
         let sets = [&descriptors, &source.descriptors];
-        let pipeline = Pipeline::compute(device, code, &sets, size_of::<Count>() as u32)?;
+        let pipeline = Pipeline::compute(device, code, &sets, size_of::<Asked>() as u32)?;
         let commands = Commands::new(device, "evaluation")?;
         Ok(Self { commands, pipeline, descriptors, queries, answers })
     }
 
-    /// Returns f·cos θ_i as [`Evaluator::cosine_weighted`] does.
+    /// Returns f·cos θ_i as [`Evaluator::cosine_weighted`] does, averaged over a round footprint.
     ///
     /// # Errors
     /// Same as [`Evaluator::cosine_weighted`].
-    pub fn ask(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
+    pub fn ask(&mut self, source: &BoundSource, queries: &[Query], footprint: f64) -> Result<Vec<DVec3>> {
         if !source.spectral && queries.iter().any(|query| query.wavelength.is_some()) {
             return Err(Error::failed(
                 "a source of colours alone is asked for a single wavelength",
                 "report this as a bug of diffract",
             ));
         }
-        self.submit(source, queries)
+        self.submit(source, queries, footprint)
     }
 
     /// Evaluates `queries` without checking the wavelengths.
-    fn submit(&mut self, source: &BoundSource, queries: &[Query]) -> Result<Vec<DVec3>> {
+    fn submit(&mut self, source: &BoundSource, queries: &[Query], footprint: f64) -> Result<Vec<DVec3>> {
         let mut all = Vec::with_capacity(queries.len());
         for some in queries.chunks(AT_ONCE) {
             let blocks: Vec<QueryBlock> = some.iter().map(block).collect();
             self.queries.write(bytemuck::cast_slice(&blocks))?;
             let mut sums = vec![DVec3::ZERO; some.len()];
             for part in Part::each(source.iterations.parts_of_pair()) {
-                let count = Count { part, queries: some.len() as u32 };
+                let asked = Asked { part, queries: some.len() as u32, footprint: footprint as f32 };
                 self.commands.run(|record| {
                     record.bind(&self.pipeline, &[&self.descriptors, &source.descriptors]);
-                    record.push(&self.pipeline, bytemuck::bytes_of(&count));
+                    record.push(&self.pipeline, bytemuck::bytes_of(&asked));
                     record.dispatch(some.len().div_ceil(GROUP) as u32);
                     record.memory(Access::ComputeWrite, Access::HostRead);
                     Ok(())

@@ -452,7 +452,7 @@ impl Renderer {
             Some(query_pass) => query_pass,
             none => none.insert(QueryPass::new(&self.device, self.shadings.first_source())?),
         };
-        query_pass.ask(self.shadings.first_source(), queries)
+        query_pass.ask(self.shadings.first_source(), queries, 0.0)
     }
 
     /// Returns the milliseconds in which the device reads `samples` bilinear samples per pixel of its texture and does

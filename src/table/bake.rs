@@ -1,7 +1,7 @@
 //! Baking of colour tables: the sum over the spectrum at every texel.
 
 use super::basis::PER_TEXEL;
-use super::grid::TableGrid;
+use super::grid::{LEVELS_OF_MIP, TableGrid};
 use super::projection::Projection;
 use super::specular::Specular;
 use super::sums::{DirectionWavelengths, Scratch, Sums};
@@ -45,12 +45,12 @@ pub fn bake(
     let width = layers * PER_TEXEL;
     let finest = bake_finest(&sums, &projection, &grid, progress)?;
     let unit = unit_of(&finest);
-    let mut levels = Vec::with_capacity(grid.levels);
+    let mut mips = vec![Vec::new(); grid.mips()];
     let mut current = finest;
     for level in 0..grid.levels {
-        levels.push(texels(&current, grid.side_of(level), layers, unit));
+        mips[level / LEVELS_OF_MIP].extend(texels(&current, grid.side_of(level), layers, unit));
         if level + 1 < grid.levels {
-            current = next_level(&current, grid.side_of(level), width, level, &grid);
+            current = next_level(&current, width, level, &grid);
         }
     }
     progress(1, 1)?;
@@ -72,7 +72,7 @@ pub fn bake(
         indices,
         energy: None,
     };
-    Ok(ColorTable { header, levels })
+    Ok(ColorTable { header, mips })
 }
 
 /// Basis and grid of a table.
@@ -141,7 +141,7 @@ const MOST_SPACING: f64 = 2.4;
 /// Number of orders with which a picture errs as much as a single point does: by pictures of a sinusoid on a compact disc.
 const UNAVERAGED: f64 = 0.6;
 /// Largest size of a table with the preferred spacing \[bytes\].
-const ROOM: f64 = 256.0 * 1024.0 * 1024.0;
+const ROOM: f64 = 512.0 * 1024.0 * 1024.0;
 
 /// Texels along a side of the squares that are summed at once.
 const TILE: usize = 16;
@@ -215,7 +215,7 @@ fn check_room(grid: &TableGrid, layers: usize, settings: &TableSettings) -> Resu
             [Remedy::LargerTolerance, Remedy::FartherCamera, Remedy::OneWindow],
         ));
     }
-    // The finest level in 32-bit floats and the next one exist beside all levels in 16-bit floats.
+    // The finest level in 32-bit floats, the next one and its average along rows exist beside all levels in 16-bit floats.
     memory::ensure_room(bytes as u64 * 7 / 2, "the colour table")
 }
 
@@ -226,25 +226,28 @@ fn unit_of(values: &[f32]) -> f64 {
     if largest > 0.0 { f64::from(largest / NEAR) } else { 1.0 }
 }
 
-/// Returns the next level: a blur by the growth of the grid, at every second place between two texels. No pair of directions is beyond the
-/// grid, so the values there are 0.
-fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &TableGrid) -> Vec<f32> {
-    let spread = 3f64.sqrt() * grid.growth * 2f64.powi(level as i32) / grid.spacing(level);
-    // Weights of the texels at ±½, ±1½ …, e^(−8) at the last.
+/// Returns the level after `level`, of `width` numbers a texel: a blur by the growth of the grid, at the same texels or halfway between each two. No pair of
+/// directions is beyond the grid, so the values there are 0.
+fn next_level(values: &[f32], width: usize, level: usize, grid: &TableGrid) -> Vec<f32> {
+    let (side, next) = (grid.side_of(level), grid.side_of(level + 1));
+    let spread = (grid.variance(level + 1) - grid.variance(level)).sqrt() / grid.spacing(level);
+    let ratio = side / next;
+    // Distance from the first texel that a texel stands for to its middle, in texels.
+    let middle = 0.5 * (ratio as f64 - 1.0);
+    // Weights to e^(−8) of the largest.
     let reach = (4.0 * spread).ceil() as i64;
-    let weight = |i: i64| (-0.5 * ((i as f64 - 0.5) / spread).powi(2)).exp();
-    let total: f64 = (1 - reach..=reach).map(weight).sum();
-    let taps: Vec<(i64, f32)> = (1 - reach..=reach).map(|i| (i, (weight(i) / total) as f32)).collect();
-    let half = side / 2;
+    let weight = |i: i64| (-0.5 * ((i as f64 - middle) / spread).powi(2)).exp();
+    let total: f64 = (-reach..=reach + 1).map(weight).sum();
+    let taps: Vec<(i64, f32)> = (-reach..=reach + 1).map(|i| (i, (weight(i) / total) as f32)).collect();
     // The texels that a texel of the next level averages over, with their weights.
     let within = |i: usize| {
         taps.iter().filter_map(move |&(offset, weight)| {
-            let source = 2 * i as i64 + offset;
+            let source = (ratio * i) as i64 + offset;
             (0..side as i64).contains(&source).then_some((source as usize, weight))
         })
     };
-    let mut along_x = vec![0f32; half * side * width];
-    along_x.par_chunks_mut(half * width).zip(values.par_chunks(side * width)).for_each(|(out, row)| {
+    let mut along_x = vec![0f32; next * side * width];
+    along_x.par_chunks_mut(next * width).zip(values.par_chunks(side * width)).for_each(|(out, row)| {
         for (i, texel) in out.chunks_mut(width).enumerate() {
             for (source, weight) in within(i) {
                 let source = &row[source * width..(source + 1) * width];
@@ -252,10 +255,10 @@ fn next_level(values: &[f32], side: usize, width: usize, level: usize, grid: &Ta
             }
         }
     });
-    let mut both = vec![0f32; half * half * width];
-    both.par_chunks_mut(half * width).enumerate().for_each(|(j, out)| {
+    let mut both = vec![0f32; next * next * width];
+    both.par_chunks_mut(next * width).enumerate().for_each(|(j, out)| {
         for (source, weight) in within(j) {
-            let row = &along_x[source * half * width..][..half * width];
+            let row = &along_x[source * next * width..][..next * width];
             out.iter_mut().zip(row).for_each(|(o, s)| *o += weight * s);
         }
     });

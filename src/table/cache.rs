@@ -1,19 +1,15 @@
 //! Colour tables in the cache on disk.
 
 use super::basis::{MOST_COMPONENTS, MOST_PIECES, PER_TEXEL};
-use super::grid::MOST_LEVELS;
-use super::{BANDS, ColorBasis, ColorTable, FORMER_BANDS, SPECULAR_SAMPLES, TableHeader};
+use super::{BANDS, ColorBasis, ColorTable, SPECULAR_SAMPLES, TableHeader};
 use crate::brdf::energy_map::EnergyMap;
 use crate::cache::{EntryFormat, Kept, Payload, count, positive};
 use crate::optics::factor::IndexTriple;
 use crate::optics::reflectance::MeanReflectance;
 
-/// Limit of all sides, larger than any side of a texture.
-const LARGEST_SIDE: usize = 1 << 16;
-
 impl Kept for ColorTable {
     /// The version changes whenever the table of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 19 };
+    const FORMAT: EntryFormat = EntryFormat { name: "colours", version: 20 };
     type Header = TableHeader;
 
     fn header(&self) -> TableHeader {
@@ -21,19 +17,19 @@ impl Kept for ColorTable {
     }
 
     fn payload(&self) -> Vec<&[u8]> {
-        self.levels.iter().map(|level| bytemuck::cast_slice(level)).collect()
+        self.mips.iter().map(|mip| bytemuck::cast_slice(mip)).collect()
     }
 
     fn build(header: TableHeader, payload: &mut Payload<'_>) -> Option<Self> {
         if !is_sound(&header) {
             return None;
         }
-        let level = |level: usize| {
-            let side = header.grid.side_of(level);
-            payload.take_halves(count(&[side, side, header.basis.layers(), PER_TEXEL])?)
+        let mip = |mip: usize| {
+            let side = header.grid.side >> mip;
+            payload.take_halves(count(&[side, side, header.layers(), PER_TEXEL])?)
         };
-        let levels = (0..header.grid.levels).map(level).collect::<Option<_>>()?;
-        Some(Self { header, levels })
+        let mips = (0..header.grid.mips()).map(mip).collect::<Option<_>>()?;
+        Some(Self { header, mips })
     }
 }
 
@@ -54,16 +50,14 @@ pub(super) fn is_sound(header: &TableHeader) -> bool {
         indices,
         energy,
     } = header;
-    (1..=MOST_LEVELS).contains(&grid.levels)
-        && (1..=LARGEST_SIDE).contains(&grid.side)
-        && grid.side.is_multiple_of(1 << (grid.levels - 1))
+    grid.is_sound()
         && positive(&[grid.extent, grid.growth, *unit, *coherence_blur, *effective_orders])
         && mean_reflectance.as_ref().is_none_or(MeanReflectance::is_sound)
         && indices.as_ref().is_none_or(IndexTriple::is_sound)
         && energy.as_ref().is_none_or(|points| EnergyMap::are_sound(points))
         && [grid.finest, *series_error, *basis_error].into_iter().all(|x| x.is_finite() && x >= 0.0)
         && is_sound_basis(basis)
-        && [BANDS, FORMER_BANDS].contains(&specular.variances.len())
+        && specular.variances.len() == BANDS
         && positive(&specular.variances)
         && specular.weights.len() == specular.variances.len()
         && specular.weights.iter().all(|band| {
@@ -95,7 +89,7 @@ mod tests {
     use serde_json::{Value, json};
 
     fn sample() -> ColorTable {
-        let grid = TableGrid { side: 32, levels: 2, extent: 2.0, finest: 0.0, growth: 0.1 };
+        let grid = TableGrid { side: 32, levels: 4, extent: 2.0, finest: 0.0, growth: 0.1 };
         let specular = Specular {
             variances: (1..=BANDS).map(|i| 0.1 * i as f64).collect(),
             weights: vec![vec![[0.1, 0.2, 0.3]; SPECULAR_SAMPLES]; BANDS],
@@ -115,8 +109,8 @@ mod tests {
             energy: Some(vec![[0.5, 1.0]; DirectionGrid::COUNT]),
         };
         let numbers =
-            |side: usize| (0..side * side * 2 * 8).map(|i| f16::from_f32(i as f32 * 0.01)).collect();
-        ColorTable { header, levels: vec![numbers(32), numbers(16)] }
+            |side: usize| (0..side * side * 2 * 2 * 8).map(|i| f16::from_f32(i as f32 * 0.01)).collect();
+        ColorTable { header, mips: vec![numbers(32), numbers(16)] }
     }
 
     fn found(header: &Value, payload: &[u8]) -> Option<ColorTable> {

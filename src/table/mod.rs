@@ -23,9 +23,9 @@ mod sums;
 
 pub use bake::{PlannedTable, bake};
 pub use basis::{ColorBasis, Cubics};
-pub use grid::TableGrid;
+pub use grid::{LEVELS_OF_MIP, TableGrid};
 pub use read::TableReader;
-pub use specular::{BANDS, FORMER_BANDS, SPECULAR_SAMPLES, Specular};
+pub use specular::{BANDS, SPECULAR_SAMPLES, Specular};
 
 use crate::budget::{ErrorBudget, MeanBudget};
 use crate::optics::factor::IndexTriple;
@@ -84,9 +84,9 @@ impl TableSettings {
 pub struct ColorTable {
     /// Header: everything but the numbers of the texels.
     pub header: TableHeader,
-    /// Levels, for each `[piece][four components][row][column][component of the four]`, rows in growing v: coordinates in the header's
-    /// basis. Places are those of ω_i + ω_r = −(u, v).
-    pub levels: Vec<Vec<f16>>,
+    /// Mip levels, for each `[level of the two][piece][four components][row][column][component of the four]`, rows in growing v: coordinates in
+    /// the header's basis. Places are those of ω_i + ω_r = −(u, v).
+    pub mips: Vec<Vec<f16>>,
 }
 
 /// Header of a [`ColorTable`], which gives its numbers their meaning.
@@ -123,6 +123,16 @@ pub struct TableHeader {
 }
 
 impl TableHeader {
+    /// Returns the number of layers of a mip level, of four numbers each: those of its two levels, one after the other.
+    pub fn layers(&self) -> usize {
+        LEVELS_OF_MIP * self.basis.layers()
+    }
+
+    /// Returns the number of numbers of a mip level.
+    pub fn numbers_of_mip(&self, mip: usize) -> usize {
+        (self.grid.side >> mip).pow(2) * self.layers() * basis::PER_TEXEL
+    }
+
     /// Returns rows of [`SPECULAR_SAMPLES`] texels: XYZ of each band of the specular order over |w| and the band's variance; those of the sums of 4, 16 … and at last of all bands; and the mean R
     /// of a material over the cosine of the half angle, or 1.
     pub fn specular_rows(&self) -> Vec<[f32; 4]> {
@@ -150,8 +160,6 @@ impl ColorTable {
     pub fn dark() -> Self {
         let grid = TableGrid::new(0.25, 0.0, 0.0);
         let basis = ColorBasis::dark();
-        let level = |level| vec![f16::ZERO; grid.side_of(level).pow(2) * basis.layers() * basis::PER_TEXEL];
-        let levels = (0..grid.levels).map(level).collect();
         let specular =
             Specular { variances: vec![1.0; BANDS], weights: vec![vec![[0.0; 3]; SPECULAR_SAMPLES]; BANDS] };
         let header = TableHeader {
@@ -168,23 +176,29 @@ impl ColorTable {
             indices: None,
             energy: None,
         };
-        Self { header, levels }
+        let mips = (0..header.grid.mips()).map(|mip| vec![f16::ZERO; header.numbers_of_mip(mip)]).collect();
+        Self { header, mips }
     }
 
-    /// Returns the table of `header` and `levels` from an untrusted source; `None` if they are not valid, or if a number is not finite.
-    pub fn from_parts(header: TableHeader, levels: Vec<Vec<f16>>) -> Option<Self> {
-        let numbers =
-            |level: usize| header.grid.side_of(level).pow(2) * header.basis.layers() * basis::PER_TEXEL;
+    /// Returns the table of `header` and `mips` from an untrusted source; `None` if they are not valid, or if a number is not finite.
+    pub fn from_parts(header: TableHeader, mips: Vec<Vec<f16>>) -> Option<Self> {
         let is_whole = cache::is_sound(&header)
-            && levels.len() == header.grid.levels
-            && levels.iter().enumerate().all(|(level, held)| held.len() == numbers(level))
-            && levels.iter().flatten().all(|number| number.is_finite());
-        is_whole.then_some(Self { header, levels })
+            && mips.len() == header.grid.mips()
+            && mips.iter().enumerate().all(|(mip, held)| held.len() == header.numbers_of_mip(mip))
+            && mips.iter().flatten().all(|number| number.is_finite());
+        is_whole.then_some(Self { header, mips })
+    }
+
+    /// Returns the numbers of a level, for each `[piece][four components][row][column][component of the four]`.
+    pub fn level(&self, level: usize) -> &[f16] {
+        let mip = &self.mips[level / LEVELS_OF_MIP];
+        let numbers = mip.len() / LEVELS_OF_MIP;
+        &mip[level % LEVELS_OF_MIP * numbers..][..numbers]
     }
 
     /// Returns the size of all levels \[bytes\].
     pub fn bytes(&self) -> usize {
-        self.levels.iter().map(|level| level.len() * size_of::<f16>()).sum()
+        self.mips.iter().map(|mip| mip.len() * size_of::<f16>()).sum()
     }
 }
 

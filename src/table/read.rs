@@ -95,7 +95,7 @@ impl<'a> TableReader<'a> {
     pub fn at(&self, toward: DVec2, w: f64, level: usize) -> DVec3 {
         let header = &self.table.header;
         let side = header.grid.side_of(level);
-        let texels = &self.table.levels[level];
+        let texels = self.table.level(level);
         let place = (toward + header.grid.extent) / header.grid.spacing(level) - 0.5;
         let corner = place.floor();
         let t = place - corner;

@@ -16,8 +16,6 @@ use std::f64::consts::PI;
 /// Number of bands of wavelengths, a power of 4. Within one, the variance differs by up to 1 % from the band's
 /// (`the_bands_of_the_specular_order_hold_the_lobe_of_a_mirror`). Only pixels beside the specular direction sum them, and sums of 4, 16 or all of them where their footprints are wider than the lobe.
 pub const BANDS: usize = 64;
-/// Number of bands in tables that earlier versions exported.
-pub const FORMER_BANDS: usize = 16;
 /// Number of samples of |w| over 0 … 2: between two, the phase of the farthest heights of 1 µm turns by a quarter of a radian.
 pub const SPECULAR_SAMPLES: usize = 128;
 

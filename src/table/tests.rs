@@ -73,7 +73,7 @@ fn a_flat_surface_takes_one_texel_and_scatters_nothing() {
     assert!(series.specular_power(0.0) > 0.9, "what it reflects is the specular order");
     let table = table(&series, 2e-2, 1e-2);
     assert_eq!(table.header.basis.layers(), 1);
-    assert!(table.levels.iter().flatten().all(|texel| texel.to_f32() == 0.0));
+    assert!(table.mips.iter().flatten().all(|texel| texel.to_f32() == 0.0));
 }
 
 #[test]

@@ -13,8 +13,14 @@ type Map = Vec<[f32; 4]>;
 /// The EXR map of a run that has to succeed in silence.
 #[track_caller]
 fn map(sandbox: &Sandbox, surface: &str, light: &str, more: &[&str]) -> Map {
+    map_by(sandbox, surface, light, &[&WINDOW[..], more].concat())
+}
+
+/// The same by all of these words.
+#[track_caller]
+fn map_by(sandbox: &Sandbox, surface: &str, light: &str, words: &[&str]) -> Map {
     let arguments = ["brdf", surface, "-o", "m.exr", "--light", light];
-    assert_eq!(sandbox.run2(&arguments, &[&WINDOW[..], more].concat()).done(), "");
+    assert_eq!(sandbox.run2(&arguments, words).done(), "");
     match image::open(sandbox.path("m.exr")).unwrap() {
         image::DynamicImage::ImageRgba32F(p) if p.width() == p.height() => p.pixels().map(|p| p.0).collect(),
         other => panic!("{:?} {}x{}", other.color(), other.width(), other.height()),
@@ -99,19 +105,76 @@ fn outside_the_disc_everything_is_0_and_inside_alpha_is_1() {
     assert!(grey.iter().all(|p| p[0] == p[1] && p[1] == p[2]));
 }
 
+/// Answers of `eval` on blaze to `directions` (s_x, s_y), light from 30°, at 550 nm.
+fn answers(sandbox: &Sandbox, directions: &[[f64; 2]], more: &[&str]) -> Vec<f64> {
+    let row = |[x, y]: &[f64; 2]| {
+        let (theta, phi) = (x.hypot(*y).asin().to_degrees(), y.atan2(*x).to_degrees());
+        format!("30,0,{theta},{phi},550\n")
+    };
+    let rows: String = directions.iter().map(row).collect();
+    sandbox.write("q.csv", format!("theta_i,phi_i,theta_r,phi_r,wavelength\n{rows}"));
+    let csv = sandbox.run2(&["eval", "blaze", "--queries", "q.csv"], more).done();
+    csv.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect()
+}
+
 #[test]
-fn a_pixel_is_what_eval_says_of_its_direction() {
+fn a_pixel_is_the_average_of_what_eval_says_of_its_directions() {
     let sandbox = Sandbox::new();
-    let grey = map(&sandbox, "blaze", "30,0", &["--wavelength", "550nm", "--method", "reference"]);
-    let index = 30 * SIDE + 12;
-    let [x, y] = place(index);
-    let (theta, phi) = (x.hypot(y).asin().to_degrees(), y.atan2(x).to_degrees());
-    sandbox.write("q.csv", format!("theta_i,phi_i,theta_r,phi_r,wavelength\n30,0,{theta},{phi},550\n"));
-    let csv = sandbox
-        .run(["eval", "blaze", "--queries", "q.csv", "--method", "reference", "--coherence", "gaussian:8um"])
-        .done();
-    let expected: f64 = csv.trim().rsplit(',').next().unwrap().parse().unwrap();
-    assert!(expected > 0.0 && (f64::from(grey[index][0]) / expected - 1.0).abs() < 1e-6, "{expected}");
+    let pixel = 2.0 / SIDE as f64;
+    // Beside the brightest order, on it, and in the dark between two.
+    for index in [30 * SIDE + 12, 31 * SIDE + 17, 32 * SIDE + 20] {
+        let [x, y] = place(index);
+        for (more, gaussian) in [(&["--method", "reference"][..], true), (&["--windows", "1x1"], false)] {
+            // A Gaussian of half a pixel, or the pixel.
+            let offset = |i: i32| f64::from(i) / if gaussian { 8.0 } else { 33.0 } * pixel;
+            let weight = |i: i32| if gaussian { (-2.0 * (f64::from(i) / 8.0).powi(2)).exp() } else { 1.0 };
+            let places = || (-16..=16).flat_map(|j| (-16..=16).map(move |i| (i, j)));
+            let directions: Vec<_> = places().map(|(i, j)| [x + offset(i), y + offset(j)]).collect();
+            let coherence = [more, &["--coherence", "gaussian:24um"]].concat();
+            let found = answers(&sandbox, &directions, &coherence);
+            let (mut sum, mut norm) = (0.0, 0.0);
+            for ((i, j), f) in places().zip(found) {
+                sum += weight(i) * weight(j) * f;
+                norm += weight(i) * weight(j);
+            }
+            let words = [&["--size", "64x64", "--wavelength", "550nm"], &coherence[..]].concat();
+            let grey = map_by(&sandbox, "blaze", "30,0", &words);
+            // The factor is that of the middle of the pixel.
+            let off = f64::from(grey[index][0]) / (sum / norm) - 1.0;
+            assert!(off.abs() < 2e-2, "{more:?} {index}: {} for {}", grey[index][0], sum / norm);
+        }
+    }
+}
+
+#[test]
+fn the_albedo_of_a_map_is_the_sum_over_the_orders_at_any_size() {
+    let sandbox = Sandbox::new();
+    let outcome =
+        sandbox.run(["orders", "blaze", "--light", "30,0", "--wavelength", "550nm", "--least", "0"]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let orders = outcome.stdout;
+    let efficiency = |line: &str| line.split(',').nth(5).unwrap().parse::<f64>().unwrap();
+    let sum: f64 = orders.lines().skip(1).map(efficiency).sum();
+    let ask = |more: &[&str]| {
+        let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.svg"];
+        sandbox.run2(&start, more).done();
+        let figure = String::from_utf8(sandbox.read("m.svg")).unwrap();
+        let words = figure.split("Albedo").nth(1).unwrap();
+        let number = words.split(|c: char| !c.is_ascii_digit() && c != '.').find(|w| w.starts_with("0."));
+        number.unwrap().trim_end_matches('.').parse::<f64>().unwrap()
+    };
+    for size in ["20x20", "64x64", "100x100"] {
+        assert!(
+            (ask(&["--size", size]) / sum - 1.0).abs() < 2e-3,
+            "{size}: {} for {sum}",
+            ask(&["--size", size])
+        );
+    }
+    // Orders of a millimetre are far narrower than a pixel, whose values add up to the same but for those at the rim.
+    let words = ["--size", "64x64", "--wavelength", "550nm", "--coherence", "gaussian:1mm"];
+    let narrow = map_by(&sandbox, "blaze", "30,0", &words);
+    let whole = energy(&narrow, |_| true);
+    assert!((whole / sum - 1.0).abs() < 3e-2, "{whole} for {sum}");
 }
 
 #[test]

@@ -14,8 +14,9 @@ use diffract::surface::synth::{Spec, SurfaceKind, generate};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Pixels on a side of the maps here.
+/// Pixels on a side of the maps here, and directions along a side of each over which the reference averages.
 const SIDE: usize = 48;
+const PARTS: usize = 5;
 /// θ_i, φ_i: in the grating's plane, out of it, and grazing.
 const LIGHTS: [[f64; 2]; 3] = [[30.0, 0.0], [50.0, 120.0], [75.0, 200.0]];
 
@@ -62,15 +63,23 @@ impl Subject {
             .collect()
     }
 
-    /// The same in f64.
+    /// The same in f64, averaged over each pixel.
     fn exact(&self, [theta, phi]: [f64; 2], coherence: Coherence) -> Vec<DVec3> {
         // Stam's theory has no limit of energy, which the reference does not know.
         let stam = Reflectance::default().by(Theory::Stam);
         let reference = Reference::new(&self.field, coherence, [1, 1], stam);
         let light = direction(theta, phi);
-        let pairs: Vec<Pair> = views(SIDE).map(|(_, view)| Pair::new(light, view)).collect();
+        let fine: Vec<(usize, DVec3)> = views(PARTS * SIDE).collect();
+        let pairs: Vec<Pair> = fine.iter().map(|(_, view)| Pair::new(light, *view)).collect();
         let xyz = nufft::cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
-        xyz.into_iter().map(|f| xyz_to_linear_srgb(f / light.z)).collect()
+        let mut pixels = vec![(DVec3::ZERO, 0.0); SIDE * SIDE];
+        for ((place, _), f) in fine.iter().zip(xyz) {
+            let [row, column] = [place / (PARTS * SIDE), place % (PARTS * SIDE)].map(|i| i / PARTS);
+            let (sum, count) = &mut pixels[row * SIDE + column];
+            *sum += xyz_to_linear_srgb(f / light.z);
+            *count += 1.0;
+        }
+        views(SIDE).map(|(place, _)| pixels[place].0 / pixels[place].1).collect()
     }
 }
 

@@ -1,4 +1,7 @@
-//! Maps of the hemisphere: directions, evaluated in tiles.
+//! Maps of the hemisphere: averages over pixels, evaluated in tiles.
+//!
+//! A method that averages over footprints has a Gaussian of standard deviation half a pixel for each, as pictures have. Others answer
+//! several directions in each pixel.
 
 use super::Arguments;
 use crate::brdf::Brdf;
@@ -6,15 +9,19 @@ use crate::cli::options::OpticsOptions;
 use crate::cli::say;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
+use crate::filter::Covariance;
 use crate::memory;
+use crate::optics::coherence::Coherence;
 use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
-use crate::settings::Method;
+use crate::settings::{Method, Optics};
 use crate::setup::SourceSettings;
+use crate::spectra::power::Blur;
 use crate::surface::HeightField;
 use glam::{DVec3, Vec3};
 use indicatif::ProgressBar;
+use std::ops::Range;
 
 /// Number of directions by the direct sum from which a warning is shown.
 const MANY_SUMS: usize = 5_000;
@@ -27,6 +34,8 @@ pub struct HemisphereMap {
     pub side: u32,
     /// All pixels.
     pub pixels: Vec<[f32; 4]>,
+    /// Sum over the orders of the share of the lights that is sent into all directions; `None` if the method does not sum orders.
+    pub of_orders: Option<f64>,
 }
 
 impl HemisphereMap {
@@ -37,32 +46,46 @@ impl HemisphereMap {
         // Memory of the map, its displayed copy and the encoder of a picture.
         memory::ensure_room(count * 48, "the map")?;
         let optics = optics.for_directions(&arguments.colour, field)?;
-        let directions = views(side, 0..side).count() * arguments.light.len();
-        if optics.method == Method::Reference && directions > MANY_SUMS {
-            say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
-        }
         if let Some(wavelength) = arguments.wavelength {
             optics.reflectance.check_wavelength(wavelength)?;
         }
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
         let mut pixels = vec![[0.0; 4]; count as usize];
-        // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
-        let rows = (evaluation::AT_ONCE as u32 / side).max(1);
+        let mut of_orders = None;
+        let parts = Parts::of(&optics, field, side, shortest);
+        let is_direct = optics.method == Method::Reference;
         let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, share| {
+            let averages = brdf.average_over(&of_pixel(side));
+            let parts = if averages { Parts::ONE } else { parts };
+            parts.warn();
+            let directions = views_of_parts(side, 0..side, parts.count).count() * arguments.light.len();
+            if is_direct && directions > MANY_SUMS {
+                say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
+            }
+            of_orders = albedo(arguments, brdf)?;
             let bar = evaluation::bar(directions);
+            // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
+            let rows = (evaluation::AT_ONCE as u32 / (side * parts.count.pow(2))).max(1);
             for first in (0..side).step_by(rows as usize) {
-                let tile: Vec<_> = views(side, first..side.min(first + rows)).collect();
-                for (&(place, _), rgb) in tile.iter().zip(shade(arguments, brdf, &tile, &bar)?) {
+                let tile: Vec<_> = views_of_parts(side, first..side.min(first + rows), parts.count).collect();
+                let values = shade(arguments, brdf, &tile, &bar)?;
+                let mut values = tile.iter().zip(values).peekable();
+                while let Some((&(place, _), first)) = values.next() {
+                    let (mut sum, mut count) = (first, 1.0);
+                    while let Some((_, value)) = values.next_if(|((next, _), _)| *next == place) {
+                        sum += value;
+                        count += 1.0;
+                    }
                     let [r, g, b, _] = pixels[place];
-                    let sum = Vec3::new(r, g, b) + (rgb * share).as_vec3();
+                    let sum = Vec3::new(r, g, b) + (sum * (share / count)).as_vec3();
                     pixels[place] = sum.extend(1.0).to_array();
                 }
             }
             bar.finish_and_clear();
             Ok(())
         })?;
-        Ok(Self { side, pixels })
+        Ok(Self { side, pixels, of_orders })
     }
 
     /// Returns the value of each pixel \[sr⁻¹\]: the BRDF at a single wavelength, the luminance of a colour. NaN outside the disc.
@@ -74,8 +97,12 @@ impl HemisphereMap {
         self.pixels.iter().map(|p| if p[3] > 0.0 { luminance(*p) } else { f64::NAN }).collect()
     }
 
-    /// Returns the albedo toward the upper hemisphere, ∫ f cos θ_r dω_r: on the disc of direction cosines cos θ dω is the area.
+    /// Returns the albedo toward the upper hemisphere, ∫ f cos θ_r dω_r: the sum over the orders, or over the pixels, because on the disc of direction
+    /// cosines cos θ dω is the area.
     pub fn albedo(&self) -> f64 {
+        if let Some(sum) = self.of_orders {
+            return sum;
+        }
         let pixel = (2.0 / f64::from(self.side)).powi(2);
         self.values().into_iter().filter(|f| !f.is_nan()).sum::<f64>() * pixel
     }
@@ -98,8 +125,71 @@ impl HemisphereMap {
             [r, g, b, if count > 0 { 1.0 } else { 0.0 }]
         };
         let pixels = (0..side).flat_map(|j| (0..side).map(move |i| (i, j))).map(mean).collect();
-        Self { side, pixels }
+        Self { side, pixels, of_orders: self.of_orders }
     }
+}
+
+/// Returns the footprint of a pixel of a map: (u, v) changes by 2/N from one to the next, and the pixel filter has a standard deviation of half of that.
+fn of_pixel(side: u32) -> Covariance {
+    let variance = f64::from(side).powi(-2);
+    Covariance { uu: variance, uv: 0.0, vv: variance }
+}
+
+/// Directions in each pixel of a map whose method answers single directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Parts {
+    /// Number along each side of a pixel.
+    count: u32,
+    /// Number that would resolve the lobes of the light.
+    needed: f64,
+}
+
+impl Parts {
+    /// Middle of the pixel alone.
+    const ONE: Self = Self { count: 1, needed: 1.0 };
+    /// Largest number along a side.
+    const MOST: u32 = 8;
+
+    /// Returns the parts that resolve the lobes of light of this coherence, at the wavelength `shortest` \[µm\].
+    fn of(optics: &Optics, field: &HeightField, side: u32, shortest: f64) -> Self {
+        /// Distance of directions that sums a Gaussian to 3e-4, in its standard deviations, and one that sums the orders of n copies.
+        const OF_DEVIATION: f64 = 1.5;
+        const OF_ORDER: f64 = 0.5;
+        let largest_step = match optics.coherence {
+            Coherence::Gaussian { length } => {
+                OF_DEVIATION * Blur::of_coherence(length / 4.0).variance[0].sqrt() * shortest
+            }
+            Coherence::Repeats(copies) => {
+                let sides = [0, 1].map(|axis| f64::from(copies[axis]) * field.patch_size()[axis]);
+                OF_ORDER * shortest / sides[0].max(sides[1])
+            }
+        };
+        let needed = (2.0 / (f64::from(side) * largest_step)).ceil().max(1.0);
+        Self { count: needed.min(f64::from(Self::MOST)) as u32, needed }
+    }
+
+    /// Warns of lobes between the directions.
+    fn warn(self) {
+        if self.needed > f64::from(self.count) {
+            let times = (self.needed / f64::from(self.count)).ceil();
+            say(&format_args!(
+                "the map samples {0} x {0} directions in each pixel, {times} times too few for lobes as narrow as these; a larger --size has more, and the mean \
+                 over all windows (--windows all) is exact at any size",
+                self.count
+            ));
+        }
+    }
+}
+
+/// Returns the sum over the orders of the share of all lights that is sent into all directions, as a map sums it.
+fn albedo(arguments: &Arguments, brdf: &mut dyn Brdf) -> Result<Option<f64>> {
+    let mut sum = 0.0;
+    for light in &arguments.light {
+        let toward = direction(light.theta, light.phi);
+        let Some(sent) = brdf.albedo(toward, arguments.wavelength)? else { return Ok(None) };
+        sum += sent * light.intensity;
+    }
+    Ok(Some(sum))
 }
 
 /// Returns the linear sRGB of the directions of `tile`, all lights summed.
@@ -122,14 +212,26 @@ fn shade(
 
 /// Returns the pixels of the disc in `rows` of a map of `side` pixels, and ω_r of each: pixel centre (i+½, j+½) is (s_x, s_y, √(1 − s²)),
 /// s_x = 2(i+½)/N − 1, s_y = 1 − 2(j+½)/N.
-pub fn views(side: u32, rows: std::ops::Range<u32>) -> impl Iterator<Item = (usize, DVec3)> {
-    let centre = move |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(side) - 1.0;
-    let pixel = move |(i, j): (u32, u32)| {
-        let (x, y) = (centre(i), -centre(j));
+pub fn views(side: u32, rows: Range<u32>) -> impl Iterator<Item = (usize, DVec3)> {
+    views_of_parts(side, rows, 1)
+}
+
+/// Returns the pixels of [`views`], and ω_r at the middles of `parts` × `parts` parts of each, one pixel after the other.
+fn views_of_parts(side: u32, rows: Range<u32>, parts: u32) -> impl Iterator<Item = (usize, DVec3)> {
+    let at = move |pixel: u32, within: f64| 2.0 * (f64::from(pixel) + within) / f64::from(side) - 1.0;
+    let middle = move |part: u32| (f64::from(part) + 0.5) / f64::from(parts);
+    let view = |x: f64, y: f64| {
         let z = 1.0 - x * x - y * y;
-        (z > 0.0).then(|| (j as usize * side as usize + i as usize, DVec3::new(x, y, z.sqrt())))
+        (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
     };
-    rows.flat_map(move |j| (0..side).map(move |i| (i, j))).filter_map(pixel)
+    rows.flat_map(move |j| (0..side).map(move |i| (i, j)))
+        .filter(move |&(i, j)| view(at(i, 0.5), -at(j, 0.5)).is_some())
+        .flat_map(move |(i, j)| {
+            let place = j as usize * side as usize + i as usize;
+            let parts = (0..parts).flat_map(move |b| (0..parts).map(move |a| (a, b)));
+            parts
+                .filter_map(move |(a, b)| view(at(i, middle(a)), -at(j, middle(b))).map(|view| (place, view)))
+        })
 }
 
 #[cfg(test)]
@@ -153,7 +255,7 @@ mod tests {
         let (side, white) = (512, std::f32::consts::FRAC_1_PI);
         let mut pixels = vec![[0.0; 4]; (side * side) as usize];
         views(side, 0..side).for_each(|(place, _)| pixels[place] = [white, white, white, 1.0]);
-        let map = HemisphereMap { side, pixels };
+        let map = HemisphereMap { side, pixels, of_orders: None };
         assert!((map.albedo() - 1.0).abs() < 1e-3, "{}", map.albedo());
         let small = map.reduced(100);
         assert_eq!(small.side, 86);

@@ -34,7 +34,7 @@ const MAX_SIDE: u32 = 16_384;
 #[command(
     after_help = "The map looks down on the surface: the disc is the hemisphere of view directions, x to the right, y up, the normal in \
 the middle, the horizon at the rim. A mirror's spot stands opposite the light. Values are the BRDF [1/sr], without a \
-cosine, as linear sRGB; several lights are summed, each times its intensity. --plot draws a figure with angles, a colour \
+cosine, averaged over each pixel, as linear sRGB; several lights are summed, each times its intensity. --plot draws a figure with angles, a colour \
 bar and the settings: in colour and luminance, or at one wavelength in false colour.
 
 A .csv has a row for each direction, from the top of the map: x and y, the direction cosines of the \

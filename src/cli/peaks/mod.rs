@@ -57,7 +57,7 @@ Examples:
 pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
-    /// Direction of the light, in degrees from the normal toward the axis
+    /// Direction of the light, in degrees from the normal: positive toward the axis, where the mirror direction is negative
     #[arg(long, value_name = "DEG", value_parser = theta_i, allow_hyphen_values = true)]
     theta_i: f64,
     /// Wavelengths in nm

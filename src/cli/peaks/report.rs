@@ -71,7 +71,28 @@ impl Found {
     pub fn line(&self) -> String {
         let period = in_words(&self.statistics, self.spread.as_ref());
         let (clear, all) = (self.statistics.clear, self.peaks.len());
-        format!("{period}; {clear} of {all} wavelengths have a clear peak in the range")
+        let mirror = match self.at_mirror() {
+            0 => String::new(),
+            count => format!(
+                "; at {count} of them it is the mirror's, at {}°, which fits every period: leave this angle out of --angles",
+                -self.sought.theta_i
+            ),
+        };
+        format!("{period}; {clear} of {all} wavelengths have a clear peak in the range{mirror}")
+    }
+
+    /// Returns the number of wavelengths whose largest response is in the mirror direction.
+    fn at_mirror(&self) -> usize {
+        self.peaks.iter().filter(|peak| peak.angle.is_some() && peak.period.is_none()).count()
+    }
+
+    /// Returns the order of which a branch is one of the longest period among the branches, for `mean` \[µm\] at this order; `None` if it is none of 2 to 9.
+    fn order_of_longest(&self, mean: f64) -> Option<u32> {
+        /// Relative distance of periods that count as the same.
+        const SAME: f64 = 0.01;
+        let means = self.branches.iter().filter_map(|followed| followed.branch.statistics.mean);
+        let longest = means.fold(0.0, f64::max);
+        (2..=9).find(|order| (f64::from(*order) * mean / longest - 1.0).abs() < SAME)
     }
 
     /// Returns the period in a line, or a line for each branch and an explanation.
@@ -90,8 +111,16 @@ impl Found {
                 lines.push(format!("{which}window {} of {windows}: {}", window + 1, in_words(alone, None)));
             }
             let Branch { statistics, largest, .. } = &followed.branch;
+            let times = statistics.mean.and_then(|mean| Some((mean, self.order_of_longest(mean)?)));
+            let higher = times.map_or(String::new(), |(mean, times)| {
+                format!(
+                    "; as order {} it has the longest period of the branches, {:.3} nm",
+                    times * self.sought.order,
+                    nanometres(f64::from(times) * mean)
+                )
+            });
             lines.push(format!(
-                "{which}{}; a maximum at {} of {} wavelengths, the largest response at {largest}",
+                "{which}{}{higher}; a maximum at {} of {} wavelengths, the largest response at {largest}",
                 in_words(statistics, followed.spread.as_ref()),
                 statistics.count,
                 self.peaks.len(),

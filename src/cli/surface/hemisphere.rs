@@ -115,7 +115,7 @@ fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
     for (place, color) in views.par_iter().map(color).collect::<Vec<_>>() {
         pixels[place] = color;
     }
-    HemisphereMap { side: SIDE, pixels }
+    HemisphereMap { side: SIDE, pixels, of_orders: None }
 }
 
 /// Returns the exposure \[stops\] that brings the typical direction beside the specular peak to middle brightness: a quarter of the

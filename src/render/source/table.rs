@@ -55,7 +55,7 @@ pub struct TableBlock {
     pub unit: f32,
     /// Variance of u of the finest level.
     pub finest: f32,
-    /// Reciprocal of the variance added per level.
+    /// Reciprocal of the variance added by level 1.
     pub per_growth: f32,
     /// Pieces of the range of |w|.
     pub pieces: f32,
@@ -82,7 +82,7 @@ impl Table {
         let header = &self.table.header;
         bound.specular_spread = optics.specular_spread().map(|spread| spread as f32);
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
-        let layers = basis.layers() as u32;
+        let layers = header.layers() as u32;
         let description = Description {
             name: "colour table",
             format: vk::Format::R16G16B16A16_SFLOAT,
@@ -91,9 +91,9 @@ impl Table {
             array: true,
             usage,
         };
-        let image = Image::with_levels(device, &description, header.grid.levels as u32)?;
-        let levels: Vec<&[u8]> = self.table.levels.iter().map(|level| bytemuck::cast_slice(level)).collect();
-        upload::levels(device, &image, layers, &levels)?;
+        let image = Image::with_levels(device, &description, header.grid.mips() as u32)?;
+        let mips: Vec<&[u8]> = self.table.mips.iter().map(|mip| bytemuck::cast_slice(mip)).collect();
+        upload::levels(device, &image, layers, &mips)?;
         bound.data(binding::COLOURS, image, Sampler::levels_that_end(device, "colour table sampler")?);
         let weights = header.specular_rows();
         let format = vk::Format::R32G32B32A32_SFLOAT;
@@ -141,11 +141,7 @@ impl Table {
 
     pub(super) fn extent(&self) -> Extent {
         let header = &self.table.header;
-        Extent {
-            layers: header.basis.layers(),
-            size: [header.grid.side; 2],
-            bytes: self.table.bytes() as u64,
-        }
+        Extent { layers: header.layers(), size: [header.grid.side; 2], bytes: self.table.bytes() as u64 }
     }
 
     pub(super) fn summary(&self) -> SourceSummary {
