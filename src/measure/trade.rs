@@ -74,6 +74,8 @@ impl Measurement {
     }
 }
 
+/// Series of the settings that answer what a pixel sees.
+const TABLE: &str = "table";
 /// Series of baselines. They are shown for comparison but never recommended, because no option selects them.
 pub const GRATING: &str = "baseline: grating equation";
 /// See [`GRATING`].
@@ -91,8 +93,8 @@ impl Measurement {
     }
 
     /// Returns the question that the setting answers.
-    fn question(&self) -> Question {
-        if self.flags.contains("--windows") { Question::Window } else { Question::Mean }
+    fn question(&self) -> AnsweredQuestion {
+        if self.series == TABLE { AnsweredQuestion::Mean } else { AnsweredQuestion::Window }
     }
 
     /// Returns true if the error is at most `error`, as far as two digits tell.
@@ -101,16 +103,16 @@ impl Measurement {
     }
 }
 
-/// Question whose answer a setting approximates. Errors of settings are against the exact answer of their own question.
+/// AnsweredQuestion whose answer a setting approximates. Errors of settings are against the exact answer of their own question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Question {
-    /// What a pixel sees: the mean over all coherence areas.
+pub enum AnsweredQuestion {
+    /// Mean over all coherence areas, which is what a pixel sees.
     Mean,
-    /// The light through one window.
+    /// Light through one window.
     Window,
 }
 
-impl Question {
+impl AnsweredQuestion {
     /// Returns the question in words.
     fn name(self) -> &'static str {
         match self {
@@ -144,10 +146,10 @@ pub fn pareto(rows: &[Measurement]) -> Vec<bool> {
 /// rate.
 pub fn advice(rows: &[Measurement]) -> String {
     let mut text = String::new();
-    for question in [Question::Mean, Question::Window] {
+    for question in [AnsweredQuestion::Mean, AnsweredQuestion::Window] {
         let of_question: Vec<&Measurement> =
             rows.iter().filter(|row| row.is_advisable() && row.question() == question).collect();
-        if !of_question.is_empty() || question == Question::asked(rows) {
+        if !of_question.is_empty() || question == AnsweredQuestion::asked(rows) {
             text += &format!("For {}:\n{}", question.name(), advice_of(&of_question));
         }
     }
@@ -189,7 +191,7 @@ fn advice_of(rows: &[&Measurement]) -> String {
 /// Returns the best setting of the question that `rows` are asked within `error`, at `fps`, or both: the fastest within the error, or the most accurate at
 /// the frame rate. If none satisfies both, names the nearest on either side.
 pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> String {
-    let question = Question::asked(rows);
+    let question = AnsweredQuestion::asked(rows);
     let advisable = || rows.iter().filter(|row| row.is_advisable() && row.question() == question);
     let (error_kept, rate_kept) = (
         |row: &&Measurement| error.is_none_or(|e| row.keeps(e)),
@@ -350,8 +352,9 @@ mod tests {
     #[test]
     fn a_setting_that_answers_another_question_is_no_advice() {
         let window = row("--windows 1x1 --basis optimal", 5.0, 2.3e-3);
-        let rows =
-            [window.clone(), row("--method table", 8.0, 1.04e-2), row("--method table --size", 9.0, 1.06e-2)];
+        let table =
+            |flags, frame_ms, error| Measurement { series: TABLE.into(), ..row(flags, frame_ms, error) };
+        let rows = [window.clone(), table("--method table", 8.0, 1.04e-2), table("--other", 9.0, 1.06e-2)];
         // 1.04e-2 is 1.0e-2 in the table, 1.06e-2 is 1.1e-2.
         assert!(wanted(&rows, Some(1e-2), None).starts_with("asked for: --method table (error 1.0e-2"));
         assert!(wanted(&rows[2..], Some(1e-2), None).contains("no measured setting"));
@@ -360,7 +363,7 @@ mod tests {
         assert!(mean.starts_with("For what a pixel sees") && !mean.contains("--windows"), "{said}");
         assert!(window_s.contains("error 1e-2: --windows 1x1"), "{said}");
         assert_eq!(pareto(&rows), [true, true, false], "questions do not compete");
-        // Where only one window was measured, it is what is asked for.
+        // One window alone is what is asked for.
         assert!(wanted(&[window], Some(1e-2), None).starts_with("asked for: --windows 1x1"));
     }
 

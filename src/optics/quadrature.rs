@@ -7,6 +7,7 @@
 
 use super::spectrum::{Illuminant, LONGEST, SHORTEST};
 use glam::DVec3;
+use std::f64::consts::PI;
 
 /// Span of wavenumbers of the colour integral, 1/λ_min − 1/λ_max \[µm⁻¹\].
 pub const SPAN: f64 = 1.0 / SHORTEST - 1.0 / LONGEST;
@@ -263,6 +264,33 @@ impl WavelengthDensity {
     }
 }
 
+/// Returns places from 0 to 1 and weights, which add up to 1, of the `count`-point Gauss–Legendre rule: exact for polynomials of degree 2 `count` − 1. The places
+/// are roots of Legendre's polynomial, by Newton's method (Press et al., *Numerical Recipes*, 4.6).
+pub fn gauss_legendre(count: u32) -> Vec<(f64, f64)> {
+    /// Steps from Tricomi's start after which roots are exact to rounding.
+    const STEPS: usize = 6;
+    let n = f64::from(count);
+    // P_n(x) and its derivative.
+    let polynomial = |x: f64| {
+        let (mut before, mut now) = (1.0, x);
+        for k in 2..=count {
+            let k = f64::from(k);
+            (before, now) = (now, ((2.0 * k - 1.0) * x * now - (k - 1.0) * before) / k);
+        }
+        (now, n * (x * now - before) / (x * x - 1.0))
+    };
+    let point = |i: u32| {
+        let mut x = (PI * (f64::from(i) + 0.75) / (n + 0.5)).cos();
+        for _ in 0..STEPS {
+            let (value, slope) = polynomial(x);
+            x -= value / slope;
+        }
+        let (_, slope) = polynomial(x);
+        (0.5 - 0.5 * x, 1.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..count).map(point).collect()
+}
+
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -276,15 +304,12 @@ pub(super) mod tests {
         let spots: Vec<(f64, f64)> = (0..200)
             .map(|_| {
                 let r = (-2.0 * (1.0 - uniform()).ln()).sqrt();
-                (
-                    sigma / 2f64.sqrt() * r * (2.0 * std::f64::consts::PI * uniform()).cos(),
-                    uniform() * std::f64::consts::TAU,
-                )
+                (sigma / 2f64.sqrt() * r * (2.0 * PI * uniform()).cos(), uniform() * std::f64::consts::TAU)
             })
             .collect();
         move |q| {
             let (re, im) = spots.iter().fold((0.0, 0.0), |(re, im), (x, a)| {
-                let (s, c) = (2.0 * std::f64::consts::PI * q * uv * x + a).sin_cos();
+                let (s, c) = (2.0 * PI * q * uv * x + a).sin_cos();
                 (re + c, im + s)
             });
             (re * re + im * im) / 200.0
@@ -293,6 +318,19 @@ pub(super) mod tests {
 
     pub fn colour(wavelengths: &Wavelengths, f: &dyn Fn(f64) -> f64) -> DVec3 {
         wavelengths.integral(|wavelength| f(1.0 / wavelength))
+    }
+
+    #[test]
+    fn gauss_and_legendre_s_rule_is_exact_for_polynomials_and_good_for_waves() {
+        for count in 1..=12 {
+            let rule = gauss_legendre(count);
+            for power in 0..2 * count as i32 {
+                let sum: f64 = rule.iter().map(|(x, weight)| weight * x.powi(power)).sum();
+                assert!((sum * f64::from(power + 1) - 1.0).abs() < 1e-12, "{count}, {power}: {sum}");
+            }
+            let wave: f64 = rule.iter().map(|(x, weight)| weight * (2.0 * x).cos()).sum();
+            assert!(count < 4 || (wave / (0.5 * 2f64.sin()) - 1.0).abs() < 1e-6, "{count}: {wave}");
+        }
     }
 
     #[test]

@@ -121,14 +121,15 @@ fn answers(sandbox: &Sandbox, directions: &[[f64; 2]], more: &[&str]) -> Vec<f64
 fn a_pixel_is_the_average_of_what_eval_says_of_its_directions() {
     let sandbox = Sandbox::new();
     let pixel = 2.0 / SIDE as f64;
-    // Beside the brightest order, on it, and in the dark between two.
-    for index in [30 * SIDE + 12, 31 * SIDE + 17, 32 * SIDE + 20] {
+    // On three orders.
+    for index in [31 * SIDE + 8, 31 * SIDE + 15, 32 * SIDE + 23] {
         let [x, y] = place(index);
         for (more, gaussian) in [(&["--method", "reference"][..], true), (&["--windows", "1x1"], false)] {
-            // A Gaussian of half a pixel, or the pixel.
-            let offset = |i: i32| f64::from(i) / if gaussian { 8.0 } else { 33.0 } * pixel;
-            let weight = |i: i32| if gaussian { (-2.0 * (f64::from(i) / 8.0).powi(2)).exp() } else { 1.0 };
-            let places = || (-16..=16).flat_map(|j| (-16..=16).map(move |i| (i, j)));
+            // A Gaussian of half a pixel, to six standard deviations, or the pixel.
+            let (parts, last) = if gaussian { (8.0, 24) } else { (33.0, 16) };
+            let offset = |i: i32| f64::from(i) / parts * pixel;
+            let weight = |i: i32| if gaussian { (-2.0 * (f64::from(i) / parts).powi(2)).exp() } else { 1.0 };
+            let places = || (-last..=last).flat_map(|j| (-last..=last).map(move |i| (i, j)));
             let directions: Vec<_> = places().map(|(i, j)| [x + offset(i), y + offset(j)]).collect();
             let coherence = [more, &["--coherence", "gaussian:24um"]].concat();
             let found = answers(&sandbox, &directions, &coherence);
@@ -379,5 +380,6 @@ fn repeats_agree_with_the_reference_and_another_number_of_copies_does_not() {
     let reference = ask("repeats:2x1", &["--method", "reference"]);
     assert!(reference.iter().any(|p| p[0] > 0.1), "there is something to see");
     assert!(deviation(&ask("repeats:2x1", &[]), &reference) < 1e-2);
-    assert!(deviation(&ask("repeats:4x1", &[]), &reference) > 0.1);
+    // Orders of more copies are narrower, and a pixel sees the whole of each: maps differ by their edges alone.
+    assert!(deviation(&ask("repeats:1x1", &[]), &reference) > 3e-2);
 }

@@ -5,6 +5,7 @@ use diffract::optics::coherence::Coherence;
 use diffract::optics::color::xyz_to_linear_srgb;
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::nufft;
+use diffract::optics::quadrature::gauss_legendre;
 use diffract::optics::reference::Reference;
 use diffract::optics::reflectance::Reflectance;
 use diffract::optics::spectrum::{Illuminant, observer};
@@ -16,7 +17,7 @@ use std::f64::consts::TAU;
 
 /// Pixels on a side of the maps here, and directions along a side of each over which the reference averages.
 const SIDE: usize = 48;
-const PARTS: usize = 5;
+const PARTS: u32 = 6;
 /// θ_i, φ_i: in the grating's plane, out of it, and grazing.
 const LIGHTS: [[f64; 2]; 3] = [[30.0, 0.0], [50.0, 120.0], [75.0, 200.0]];
 
@@ -28,6 +29,32 @@ fn views(side: usize) -> impl Iterator<Item = (usize, DVec3)> {
         let z = 1.0 - x * x - y * y;
         (z > 0.0).then(|| (place, DVec3::new(x, y, z.sqrt())))
     })
+}
+
+/// Directions in the pixel about `view` and their weights in the average: by Gauss and Legendre's rule, or evenly where the horizon cuts the pixel.
+fn parts(view: DVec3) -> Vec<(DVec3, f64)> {
+    let even: Vec<(f64, f64)> = (0..8).map(|i| (f64::from(i) / 8.0 + 0.0625, 0.125)).collect();
+    let inside = |rule: &[(f64, f64)]| -> Vec<(DVec3, f64)> {
+        let at = |x: f64| 2.0 / SIDE as f64 * (x - 0.5);
+        let mut found = Vec::new();
+        for (i, a) in rule {
+            for (j, b) in rule {
+                let (x, y) = (view.x + at(*i), view.y + at(*j));
+                let z = 1.0 - x * x - y * y;
+                if z > 0.0 {
+                    found.push((DVec3::new(x, y, z.sqrt()), a * b));
+                }
+            }
+        }
+        found
+    };
+    let all = inside(&gauss_legendre(PARTS));
+    if all.len() == PARTS.pow(2) as usize {
+        return all;
+    }
+    let some = inside(&even);
+    let whole: f64 = some.iter().map(|(_, weight)| weight).sum();
+    some.into_iter().map(|(view, weight)| (view, weight / whole)).collect()
 }
 
 /// A surface in a file, and what the program has to be told of it.
@@ -69,17 +96,14 @@ impl Subject {
         let stam = Reflectance::default().by(Theory::Stam);
         let reference = Reference::new(&self.field, coherence, [1, 1], stam);
         let light = direction(theta, phi);
-        let fine: Vec<(usize, DVec3)> = views(PARTS * SIDE).collect();
-        let pairs: Vec<Pair> = fine.iter().map(|(_, view)| Pair::new(light, *view)).collect();
+        let parts: Vec<Vec<(DVec3, f64)>> = views(SIDE).map(|(_, view)| parts(view)).collect();
+        let pairs: Vec<Pair> = parts.iter().flatten().map(|(view, _)| Pair::new(light, *view)).collect();
         let xyz = nufft::cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
-        let mut pixels = vec![(DVec3::ZERO, 0.0); SIDE * SIDE];
-        for ((place, _), f) in fine.iter().zip(xyz) {
-            let [row, column] = [place / (PARTS * SIDE), place % (PARTS * SIDE)].map(|i| i / PARTS);
-            let (sum, count) = &mut pixels[row * SIDE + column];
-            *sum += xyz_to_linear_srgb(f / light.z);
-            *count += 1.0;
-        }
-        views(SIDE).map(|(place, _)| pixels[place].0 / pixels[place].1).collect()
+        let mut values = xyz.into_iter().map(|f| xyz_to_linear_srgb(f / light.z));
+        parts
+            .iter()
+            .map(|parts| parts.iter().map(|(_, weight)| values.next().unwrap() * *weight).sum())
+            .collect()
     }
 }
 

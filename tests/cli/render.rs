@@ -404,7 +404,7 @@ fn a_scene_prepares_its_surface_and_the_command_line_does_it_instead() {
     let sandbox = Sandbox::with_small_surface();
     let scene = |prepare: &str| {
         format!(
-            "mesh = \"plate\"\nsurface = \"blaze\"\nlights = [\"35,-50\"]\nprepare = [{prepare}]\n\
+            "mesh = \"plate\"\nsurface = \"blaze\"\nlights = [\"35,0\"]\nprepare = [{prepare}]\n\
              [camera]\neye = [0.0, -1.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = \"35deg\"\n"
         )
     };

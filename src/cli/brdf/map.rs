@@ -14,6 +14,7 @@ use crate::memory;
 use crate::optics::coherence::Coherence;
 use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
+use crate::optics::quadrature::gauss_legendre;
 use crate::optics::spectrum::SHORTEST;
 use crate::settings::{Method, Optics};
 use crate::setup::SourceSettings;
@@ -52,14 +53,15 @@ impl HemisphereMap {
         let shortest = arguments.wavelength.unwrap_or(SHORTEST);
         let mut pixels = vec![[0.0; 4]; count as usize];
         let mut of_orders = None;
-        let parts = Parts::of(&optics, field, side, shortest);
+        let parts = PixelParts::of(&optics, field, side, shortest);
         let is_direct = optics.method == Method::Reference;
         let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, share| {
             let averages = brdf.average_over(&of_pixel(side));
-            let parts = if averages { Parts::ONE } else { parts };
+            let parts = if averages { PixelParts::ONE } else { parts };
             parts.warn();
-            let directions = views_of_parts(side, 0..side, parts.count).count() * arguments.light.len();
+            let rule = gauss_legendre(parts.count);
+            let directions = views(side, 0..side).count() * rule.len().pow(2) * arguments.light.len();
             if is_direct && directions > MANY_SUMS {
                 say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
             }
@@ -68,18 +70,16 @@ impl HemisphereMap {
             // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
             let rows = (evaluation::AT_ONCE as u32 / (side * parts.count.pow(2))).max(1);
             for first in (0..side).step_by(rows as usize) {
-                let tile: Vec<_> = views_of_parts(side, first..side.min(first + rows), parts.count).collect();
-                let values = shade(arguments, brdf, &tile, &bar)?;
-                let mut values = tile.iter().zip(values).peekable();
-                while let Some((&(place, _), first)) = values.next() {
-                    let (mut sum, mut count) = (first, 1.0);
-                    while let Some((_, value)) = values.next_if(|((next, _), _)| *next == place) {
-                        sum += value;
-                        count += 1.0;
-                    }
-                    let [r, g, b, _] = pixels[place];
-                    let sum = Vec3::new(r, g, b) + (sum * (share / count)).as_vec3();
-                    pixels[place] = sum.extend(1.0).to_array();
+                let tile: Vec<_> = views(side, first..side.min(first + rows)).collect();
+                let parts: Vec<_> = tile.iter().map(|(_, view)| views_of_pixel(side, *view, &rule)).collect();
+                let asked: Vec<DVec3> = parts.iter().flatten().map(|(view, _)| *view).collect();
+                let mut values = shade(arguments, brdf, &asked, &bar)?.into_iter();
+                for ((place, _), parts) in tile.iter().zip(&parts) {
+                    let values = values.by_ref().take(parts.len()).zip(parts);
+                    let mean: DVec3 = values.map(|(value, (_, weight))| value * *weight).sum();
+                    let [r, g, b, _] = pixels[*place];
+                    let sum = Vec3::new(r, g, b) + (mean * share).as_vec3();
+                    pixels[*place] = sum.extend(1.0).to_array();
                 }
             }
             bar.finish_and_clear();
@@ -137,14 +137,14 @@ fn of_pixel(side: u32) -> Covariance {
 
 /// Directions in each pixel of a map whose method answers single directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Parts {
+struct PixelParts {
     /// Number along each side of a pixel.
     count: u32,
     /// Number that would resolve the lobes of the light.
     needed: f64,
 }
 
-impl Parts {
+impl PixelParts {
     /// Middle of the pixel alone.
     const ONE: Self = Self { count: 1, needed: 1.0 };
     /// Largest number along a side.
@@ -152,9 +152,10 @@ impl Parts {
 
     /// Returns the parts that resolve the lobes of light of this coherence, at the wavelength `shortest` \[µm\].
     fn of(optics: &Optics, field: &HeightField, side: u32, shortest: f64) -> Self {
-        /// Distance of directions that sums a Gaussian to 3e-4, in its standard deviations, and one that sums the orders of n copies.
-        const OF_DEVIATION: f64 = 1.5;
-        const OF_ORDER: f64 = 0.5;
+        /// Mean distance of directions that resolves the light through a Gaussian window, in standard deviations of its lobe, and the light of n copies, in
+        /// distances between the zeros of an order. One direction more makes up for the ends of a pixel.
+        const OF_DEVIATION: f64 = 1.0;
+        const OF_ORDER: f64 = 0.6;
         let largest_step = match optics.coherence {
             Coherence::Gaussian { length } => {
                 OF_DEVIATION * Blur::of_coherence(length / 4.0).variance[0].sqrt() * shortest
@@ -164,7 +165,7 @@ impl Parts {
                 OF_ORDER * shortest / sides[0].max(sides[1])
             }
         };
-        let needed = (2.0 / (f64::from(side) * largest_step)).ceil().max(1.0);
+        let needed = (2.0 / (f64::from(side) * largest_step)).ceil() + 1.0;
         Self { count: needed.min(f64::from(Self::MOST)) as u32, needed }
     }
 
@@ -192,17 +193,17 @@ fn albedo(arguments: &Arguments, brdf: &mut dyn Brdf) -> Result<Option<f64>> {
     Ok(Some(sum))
 }
 
-/// Returns the linear sRGB of the directions of `tile`, all lights summed.
+/// Returns the linear sRGB toward `views`, all lights summed.
 fn shade(
     arguments: &Arguments,
     brdf: &mut dyn Brdf,
-    tile: &[(usize, DVec3)],
+    views: &[DVec3],
     bar: &ProgressBar,
 ) -> Result<Vec<DVec3>> {
-    let mut sums = vec![DVec3::ZERO; tile.len()];
+    let mut sums = vec![DVec3::ZERO; views.len()];
     for light in &arguments.light {
         let toward = direction(light.theta, light.phi);
-        let pairs: Vec<Pair> = tile.iter().map(|&(_, view)| Pair::new(toward, view)).collect();
+        let pairs: Vec<Pair> = views.iter().map(|view| Pair::new(toward, *view)).collect();
         let values = evaluation::ask(brdf, &pairs, arguments.wavelength, bar)?;
         sums.iter_mut().zip(values).for_each(|(sum, f)| *sum += f * light.intensity);
     }
@@ -213,25 +214,39 @@ fn shade(
 /// Returns the pixels of the disc in `rows` of a map of `side` pixels, and ω_r of each: pixel centre (i+½, j+½) is (s_x, s_y, √(1 − s²)),
 /// s_x = 2(i+½)/N − 1, s_y = 1 − 2(j+½)/N.
 pub fn views(side: u32, rows: Range<u32>) -> impl Iterator<Item = (usize, DVec3)> {
-    views_of_parts(side, rows, 1)
+    let centre = move |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(side) - 1.0;
+    let pixel = move |(i, j): (u32, u32)| {
+        let place = j as usize * side as usize + i as usize;
+        above(centre(i), -centre(j)).map(|view| (place, view))
+    };
+    rows.flat_map(move |j| (0..side).map(move |i| (i, j))).filter_map(pixel)
 }
 
-/// Returns the pixels of [`views`], and ω_r at the middles of `parts` × `parts` parts of each, one pixel after the other.
-fn views_of_parts(side: u32, rows: Range<u32>, parts: u32) -> impl Iterator<Item = (usize, DVec3)> {
-    let at = move |pixel: u32, within: f64| 2.0 * (f64::from(pixel) + within) / f64::from(side) - 1.0;
-    let middle = move |part: u32| (f64::from(part) + 0.5) / f64::from(parts);
-    let view = |x: f64, y: f64| {
-        let z = 1.0 - x * x - y * y;
-        (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
-    };
-    rows.flat_map(move |j| (0..side).map(move |i| (i, j)))
-        .filter(move |&(i, j)| view(at(i, 0.5), -at(j, 0.5)).is_some())
-        .flat_map(move |(i, j)| {
-            let place = j as usize * side as usize + i as usize;
-            let parts = (0..parts).flat_map(move |b| (0..parts).map(move |a| (a, b)));
-            parts
-                .filter_map(move |(a, b)| view(at(i, middle(a)), -at(j, middle(b))).map(|view| (place, view)))
-        })
+/// Returns directions in the pixel whose middle is `view`, of a map of `side` pixels, and their weights in the mean: by `rule` along each side, or evenly over what is above
+/// the horizon.
+fn views_of_pixel(side: u32, view: DVec3, rule: &[(f64, f64)]) -> Vec<(DVec3, f64)> {
+    /// Directions along a side of a pixel that the horizon cuts.
+    const AT_HORIZON: u32 = 8;
+    let pixel = 2.0 / f64::from(side);
+    let at = |x: f64, y: f64| above(view.x + pixel * (x - 0.5), view.y + pixel * (y - 0.5));
+    let whole: Option<Vec<_>> = rule
+        .iter()
+        .flat_map(|(x, a)| rule.iter().map(move |(y, b)| (x, y, a * b)))
+        .map(|(x, y, weight)| at(*x, *y).map(|view| (view, weight)))
+        .collect();
+    whole.unwrap_or_else(|| {
+        let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(AT_HORIZON);
+        let places = (0..AT_HORIZON).flat_map(|i| (0..AT_HORIZON).map(move |j| (i, j)));
+        let views: Vec<DVec3> = places.filter_map(|(i, j)| at(middle(i), middle(j))).collect();
+        let weight = 1.0 / views.len() as f64;
+        views.into_iter().map(|view| (view, weight)).collect()
+    })
+}
+
+/// Returns the direction of these cosines above the surface; `None` beyond the horizon.
+fn above(x: f64, y: f64) -> Option<DVec3> {
+    let z = 1.0 - x * x - y * y;
+    (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
 }
 
 #[cfg(test)]
