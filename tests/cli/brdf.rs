@@ -140,9 +140,9 @@ fn a_pixel_is_the_average_of_what_eval_says_of_its_directions() {
             }
             let words = [&["--size", "64x64", "--wavelength", "550nm"], &coherence[..]].concat();
             let grey = map_by(&sandbox, "blaze", "30,0", &words);
-            // The factor is that of the middle of the pixel.
+            // The factor is that of the middle of the pixel, half a pixel from an order.
             let off = f64::from(grey[index][0]) / (sum / norm) - 1.0;
-            assert!(off.abs() < 2e-2, "{more:?} {index}: {} for {}", grey[index][0], sum / norm);
+            assert!(off.abs() < 4e-2, "{more:?} {index}: {} for {}", grey[index][0], sum / norm);
         }
     }
 }

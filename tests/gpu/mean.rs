@@ -207,13 +207,13 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
 }
 
 /// Relative L2 error that is measured for one sample of this sphere, whose footprints are up to a hundred times as wide as an order.
-const TABLE_OVER_FOOTPRINTS: f64 = 0.016;
+const TABLE_OVER_FOOTPRINTS: f64 = 0.0225;
 
 /// The same for 16 samples under one light, which is seen at a narrower highlight.
 const TABLE_OF_SAMPLES: f64 = 0.006;
 
 /// The same for single samples of a light that moves.
-const TABLE_OF_FRAMES: f64 = 0.027;
+const TABLE_OF_FRAMES: f64 = 0.039;
 
 #[test]
 fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far() {
