@@ -66,8 +66,8 @@ impl Brdf for MeanFromOrders<'_> {
         xyz(self.table(SHORTEST)?, pairs, illuminant, &footprint)
     }
 
-    fn average_over(&mut self, footprint: &Covariance) -> bool {
-        self.footprint = *footprint;
+    fn average_over(&mut self, deviation: f64) -> bool {
+        self.footprint = Covariance::round(deviation);
         true
     }
 
@@ -175,14 +175,18 @@ impl Brdf for MeanReference<'_> {
         xyz(self.table()?, pairs, illuminant, &footprint)
     }
 
-    fn average_over(&mut self, footprint: &Covariance) -> bool {
-        self.footprint = *footprint;
+    fn average_over(&mut self, deviation: f64) -> bool {
+        self.footprint = Covariance::round(deviation);
         true
     }
 
     fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
         let illuminant = self.illuminant;
-        Ok(self.table()?.sent(light, wavelength, illuminant))
+        // Direct sums answer where there is no series of all orders.
+        let table = if self.too_large { None } else { self.table().ok() };
+        let sent = table.and_then(|table| table.sent(light, wavelength, illuminant));
+        self.too_large |= self.table.is_none();
+        Ok(sent)
     }
 
     fn batch(&self) -> usize {

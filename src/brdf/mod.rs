@@ -15,7 +15,6 @@ pub use mean_answers::{MeanFromOrders, MeanReference};
 pub use orders::DiffractionOrder;
 
 use crate::error::Result;
-use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use glam::DVec3;
 
@@ -34,9 +33,10 @@ pub trait Brdf {
     /// Fails if a colour needs too many wavelengths or the device is lost.
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>>;
 
-    /// Averages all further answers over `footprint` of (u, v), if the method can; returns whether it does.
-    fn average_over(&mut self, footprint: &Covariance) -> bool {
-        let _ = footprint;
+    /// Averages all further answers over a round Gaussian of standard deviation `deviation` of (u, v), if the method can; returns whether it
+    /// does.
+    fn average_over(&mut self, deviation: f64) -> bool {
+        let _ = deviation;
         false
     }
 

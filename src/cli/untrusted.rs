@@ -156,7 +156,7 @@ fn colours(bytes: &[u8]) -> Result<()> {
         assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
     }
     let reader = TableReader::new(&table);
-    let level = table.header.grid.level(1e-2) as usize;
+    let level = table.header.grid.level(1e-2);
     for place in [DVec2::ZERO, DVec2::splat(2.0), DVec2::splat(-1e9)] {
         reader.at(place, 2.0, level);
     }

@@ -14,6 +14,12 @@ pub struct Covariance {
 }
 
 impl Covariance {
+    /// Returns the covariance of a round Gaussian of standard deviation `deviation`.
+    pub fn round(deviation: f64) -> Self {
+        let variance = deviation * deviation;
+        Self { uu: variance, uv: 0.0, vv: variance }
+    }
+
     /// Computes the covariance J Jᵀ σ² of a footprint.
     ///
     /// `dx` and `dy` are the columns of J = ∂(u, v)/∂(pixel), σ = `sigma` \[pixels\] is the standard deviation of the Gaussian pixel filter.

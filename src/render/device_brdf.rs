@@ -6,7 +6,6 @@ use crate::brdf::albedo::DirectionalAlbedo;
 use crate::brdf::energy_map::EnergyMap;
 use crate::brdf::{Brdf, without_cosine};
 use crate::error::Result;
-use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
@@ -91,9 +90,8 @@ impl Brdf for DeviceBrdf<'_> {
         self.ask(pairs, None)
     }
 
-    fn average_over(&mut self, footprint: &Covariance) -> bool {
-        // The footprints of maps are round.
-        self.evaluator.average_over(if self.averages { footprint.uu.sqrt() } else { 0.0 });
+    fn average_over(&mut self, deviation: f64) -> bool {
+        self.evaluator.average_over(if self.averages { deviation } else { 0.0 });
         self.averages
     }
 

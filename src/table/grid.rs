@@ -77,13 +77,10 @@ impl TableGrid {
         (i as f64 + 0.5) * self.spacing(level) - self.extent
     }
 
-    /// Returns the level, with a fraction, that averages over the variance `variance` of u and of v.
-    pub fn level(&self, variance: f64) -> f64 {
+    /// Returns the coarsest level that averages over at most the variance `variance` of u and of v, or the finest.
+    pub fn level(&self, variance: f64) -> usize {
         let ratio = ((variance - self.finest.powi(2)) / self.growth.powi(2) + 1.0).max(1.0);
-        let last = (self.levels - 1) as f64;
-        let lower = ratio.log2().floor().min(last);
-        let share = ratio / 2f64.powf(lower) - 1.0;
-        (lower + share.clamp(0.0, 1.0)).min(last)
+        (ratio.log2() as usize).min(self.levels - 1)
     }
 
     /// Returns the variance of u and of v that `level` averages over.

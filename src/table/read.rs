@@ -35,7 +35,7 @@ impl<'a> TableReader<'a> {
         let grid = &header.grid;
         let across =
             shorter.max(grid.finest.powi(2)).max(filter::least_own(footprint, header.coherence_blur));
-        let level = grid.level(across) as usize;
+        let level = grid.level(across);
         let next = (level + 1 < grid.levels).then(|| grid.variance(level + 1));
         let levels = Levels { read: grid.variance(level), next, blur: header.coherence_blur };
         (level, Taps::new(footprint, across, levels))

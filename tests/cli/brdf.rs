@@ -148,6 +148,35 @@ fn a_pixel_is_the_average_of_what_eval_says_of_its_directions() {
 }
 
 #[test]
+fn a_table_averages_over_a_pixel_as_the_reference_of_the_mean_does() {
+    let sandbox = Sandbox::new();
+    // Orders of blue light are a seventh of a pixel wide.
+    let ask = |method: &str| {
+        let words =
+            ["--size", "64x64", "--coherence", "gaussian:48um", "--method", method, "--tolerance", "1e-2"];
+        map_by(&sandbox, "blaze", "30,0", &words)
+    };
+    let (table, reference) = (ask("table"), ask("reference"));
+    let apart = deviation(&table, &reference);
+    // One sample of few orders through the taps of a footprint errs by as much.
+    assert!(apart < 5e-2, "{apart}");
+    assert!(energy(&reference, |_| true) > 1e-2, "there is something to see");
+}
+
+#[test]
+fn heights_that_no_series_follows_have_a_map_and_a_figure_by_direct_sums() {
+    let sandbox = Sandbox::new();
+    let rows: String = (0..8)
+        .map(|j| (0..8).map(|i| format!("{} ", (i * 5 + j * 3) % 8 * 100)).collect::<String>() + "\n")
+        .collect();
+    sandbox.write("high.txt", rows);
+    let words = "brdf high.txt --pixel-size 100nm --height 400um --method reference --theory stam --wavelength 550nm --light 30,0 \
+                 --size 6x6 --plot high.svg";
+    let outcome = sandbox.run(words.split_whitespace());
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+}
+
+#[test]
 fn the_albedo_of_a_map_is_the_sum_over_the_orders_at_any_size() {
     let sandbox = Sandbox::new();
     let outcome =

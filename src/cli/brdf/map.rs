@@ -9,7 +9,6 @@ use crate::cli::options::OpticsOptions;
 use crate::cli::say;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
-use crate::filter::Covariance;
 use crate::memory;
 use crate::optics::coherence::Coherence;
 use crate::optics::color;
@@ -35,7 +34,8 @@ pub struct HemisphereMap {
     pub side: u32,
     /// All pixels.
     pub pixels: Vec<[f32; 4]>,
-    /// Sum over the orders of the share of the lights that is sent into all directions; `None` if the method does not sum orders.
+    /// Sum over the orders of the share of the lights that is sent into all directions; `None` if the method does not sum orders, or if no figure
+    /// is drawn.
     pub of_orders: Option<f64>,
 }
 
@@ -57,7 +57,7 @@ impl HemisphereMap {
         let is_direct = optics.method == Method::Reference;
         let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, share| {
-            let averages = brdf.average_over(&of_pixel(side));
+            let averages = brdf.average_over(of_pixel(side));
             let parts = if averages { PixelParts::ONE } else { parts };
             parts.warn();
             let rule = gauss_legendre(parts.count);
@@ -65,7 +65,10 @@ impl HemisphereMap {
             if is_direct && directions > MANY_SUMS {
                 say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
             }
-            of_orders = albedo(arguments, brdf)?;
+            // Figures alone say it.
+            if arguments.plot.is_some() {
+                of_orders = albedo(arguments, brdf)?;
+            }
             let bar = evaluation::bar(directions);
             // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
             let rows = (evaluation::AT_ONCE as u32 / (side * parts.count.pow(2))).max(1);
@@ -129,10 +132,9 @@ impl HemisphereMap {
     }
 }
 
-/// Returns the footprint of a pixel of a map: (u, v) changes by 2/N from one to the next, and the pixel filter has a standard deviation of half of that.
-fn of_pixel(side: u32) -> Covariance {
-    let variance = f64::from(side).powi(-2);
-    Covariance { uu: variance, uv: 0.0, vv: variance }
+/// Returns the standard deviation of the filter of a pixel of a map, half of what (u, v) changes by from one to the next.
+fn of_pixel(side: u32) -> f64 {
+    1.0 / f64::from(side)
 }
 
 /// Directions in each pixel of a map whose method answers single directions.
@@ -174,8 +176,8 @@ impl PixelParts {
         if self.needed > f64::from(self.count) {
             let times = (self.needed / f64::from(self.count)).ceil();
             say(&format_args!(
-                "the map samples {0} x {0} directions in each pixel, {times} times too few for lobes as narrow as these; a larger --size has more, and the mean \
-                 over all windows (--windows all) is exact at any size",
+                "a pixel has {0} x {0} directions, {times} times too few along each side for orders as narrow as those of this light: a \
+                 larger --size has more of them",
                 self.count
             ));
         }
