@@ -5,6 +5,7 @@ mod benchmark;
 mod brdf;
 mod cache;
 mod captions;
+mod colour;
 mod devices;
 mod eval;
 mod evaluation;
@@ -79,6 +80,8 @@ enum Command {
     Eval(eval::Arguments),
     /// The hemisphere of one light direction, as a picture or as numbers
     Brdf(brdf::Arguments),
+    /// Colours as a multi-angle spectrophotometer reads them
+    Colour(colour::Arguments),
     /// Angles and efficiencies of the orders of a periodic surface
     Orders(orders::Arguments),
     /// The material for other programs: a colour table that they can read
@@ -150,6 +153,7 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Render(arguments) => render::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Brdf(arguments) => brdf::run(&arguments),
+        Command::Colour(arguments) => colour::run(&arguments),
         Command::Orders(arguments) => orders::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Peaks(arguments) => peaks::run(&arguments),

@@ -221,7 +221,7 @@ pub struct ColourOptions {
     /// Wavelengths of a colour, instead of the number that the tolerance needs
     #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
     pub wavelengths: Option<usize>,
-    /// Spectrum of the light: d65, a, e, led, or a CSV file of wavelength in nm and power
+    /// Spectrum of the light: d65, d50, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_ILLUMINANT)]
     pub illuminant: OsString,
 }

@@ -56,7 +56,7 @@ pub struct Info {
     /// Material of the surface, for the errors of scalar theory: as in `render` [default: refractive index 1.5]
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file))]
     material: Option<Material>,
-    /// Spectrum of the light, for the errors of scalar theory: d65, a, e, led, or a CSV file of wavelength in nm and power
+    /// Spectrum of the light, for the errors of scalar theory: d65, d50, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Illuminant::from_name_or_file), default_value = "d65")]
     illuminant: Illuminant,
     /// Polarisation of the light, for the errors of scalar theory: te (along the grooves), tm (across them) or none [default: none]

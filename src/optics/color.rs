@@ -16,6 +16,19 @@ pub fn xyz_to_linear_srgb(xyz: DVec3) -> DVec3 {
     ) * xyz
 }
 
+/// Adapts a colour in XYZ from a viewer's `white` to D65: the linear Bradford transform (ICC.1:2022, annex E).
+pub fn adapted_to_d65(xyz: DVec3, white: DVec3) -> DVec3 {
+    let to_cones = DMat3::from_cols(
+        DVec3::new(0.8951, -0.7502, 0.0389),
+        DVec3::new(0.2664, 1.7135, -0.0685),
+        DVec3::new(-0.1614, 0.0367, 1.0296),
+    );
+    // (0.3127, 0.3290), as in IEC 61966-2-1.
+    let d65 = DVec3::new(0.3127, 0.3290, 1.0 - 0.3127 - 0.3290) / 0.3290;
+    let gain = (to_cones * d65) / (to_cones * white);
+    to_cones.inverse() * (to_cones * xyz * gain)
+}
+
 /// Moves a linear colour into the display's gamut along the line to the grey of the same luminance: hue stays, saturation is reduced.
 /// Luminance is limited to 0 … 1. Twin of `map_to_gamut` in `color.glsl`.
 pub fn map_to_gamut(rgb: DVec3) -> DVec3 {

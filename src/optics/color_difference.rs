@@ -7,12 +7,16 @@ use glam::{DMat3, DVec3};
 pub fn lab(rgb: DVec3) -> DVec3 {
     /// Matrix from linear sRGB to XYZ (IEC 61966-2-1), row by row.
     const XYZ: [[f64; 3]; 3] = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
+    let matrix = DMat3::from_cols_array_2d(&XYZ).transpose();
+    lab_under(matrix * rgb, matrix * DVec3::ONE)
+}
+
+/// Returns CIE L\*a\*b\* of a colour in XYZ under a `white`.
+pub fn lab_under(xyz: DVec3, white: DVec3) -> DVec3 {
     /// Ratio below which the cube root is continued by a line (CIE 15:2004, 8.2.1).
     const LINEAR: f64 = 216.0 / 24389.0;
-    let matrix = DMat3::from_cols_array_2d(&XYZ).transpose();
-    let white = matrix * DVec3::ONE;
     let root = |t: f64| if t > LINEAR { t.cbrt() } else { (24389.0 / 27.0 * t + 16.0) / 116.0 };
-    let [x, y, z] = (matrix * rgb / white).to_array().map(root);
+    let [x, y, z] = (xyz / white).to_array().map(root);
     DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z))
 }
 

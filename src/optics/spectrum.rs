@@ -183,7 +183,7 @@ pub fn midpoints() -> impl Iterator<Item = f64> {
 }
 
 /// Names of the built-in illuminants.
-pub const BUILT_IN: [&str; 4] = ["d65", "a", "e", "led"];
+pub const BUILT_IN: [&str; 5] = ["d65", "d50", "a", "e", "led"];
 
 /// Spectral power of the light, up to a factor.
 #[derive(Clone, Debug, PartialEq, Default, Serialize)]
@@ -191,6 +191,8 @@ pub enum Illuminant {
     /// CIE D65, daylight, tabulated.
     #[default]
     D65,
+    /// CIE D50, warm daylight of graphic arts: tabulated (CIE 15:2004).
+    D50,
     /// CIE A, a tungsten lamp: Planck's law at 2848 K with c₂ = 1.435e7 nm K (CIE 15).
     A,
     /// Equal energy.
@@ -234,7 +236,7 @@ impl Serialize for UserSpectrum {
 }
 
 impl Illuminant {
-    /// Returns the illuminant `d65`, `a`, `e`, `led`, or that of a CSV file of wavelength \[nm\] and power.
+    /// Returns the illuminant `d65`, `d50`, `a`, `e`, `led`, or that of a CSV file of wavelength \[nm\] and power.
     ///
     /// # Errors
     /// A file that cannot be read or parsed, or that holds no light in 380–780 nm.
@@ -246,7 +248,7 @@ impl Illuminant {
     /// Returns one of [`BUILT_IN`], by its name.
     pub fn built_in(name: impl AsRef<OsStr>) -> Option<Self> {
         let name = name.as_ref();
-        let known = [Self::D65, Self::A, Self::E, Self::Led];
+        let known = [Self::D65, Self::D50, Self::A, Self::E, Self::Led];
         BUILT_IN
             .into_iter()
             .zip(known)
@@ -258,6 +260,7 @@ impl Illuminant {
     pub fn name(&self) -> Cow<'_, str> {
         match self {
             Self::D65 => "d65".into(),
+            Self::D50 => "d50".into(),
             Self::A => "a".into(),
             Self::E => "e".into(),
             Self::Led => "led".into(),
@@ -326,6 +329,10 @@ impl Illuminant {
                 static TABLE: OnceLock<SpectralTable<1>> = OnceLock::new();
                 TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/d65.csv"))).at(wavelength)[0]
             }
+            Self::D50 => {
+                static TABLE: OnceLock<SpectralTable<1>> = OnceLock::new();
+                TABLE.get_or_init(|| built_in(include_str!("../../assets/spectra/d50.csv"))).at(wavelength)[0]
+            }
             Self::A => {
                 let planck = |x: f64| x.powi(-5) / ((1.435e7 / (2848.0 * x)).exp() - 1.0);
                 100.0 * planck(wavelength) / planck(560.0)
@@ -385,6 +392,7 @@ mod tests {
         // CIE 15:2018, 2° observer.
         for (light, x, y) in [
             (Illuminant::D65, 0.3127, 0.3290),
+            (Illuminant::D50, 0.3457, 0.3585),
             (Illuminant::A, 0.4476, 0.4074),
             (Illuminant::E, 1.0 / 3.0, 1.0 / 3.0),
             (Illuminant::Led, 0.3756, 0.3723),

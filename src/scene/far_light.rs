@@ -1,6 +1,6 @@
 //! Lights that are far away: points and discs of the sky.
 
-use super::incident::{Incident, WIDER, concentric, spread_of};
+use super::incident::{Incident, concentric, share_of_sample, spread_of};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::optics::geometry::direction;
@@ -85,12 +85,12 @@ impl FarLight {
 
     /// Returns the sample at `point` (uniform in 0 … 1) of `count` samples. The map of Shirley and Chiu (1997) spreads the directions
     /// evenly over a disc around the light's centre and keeps neighbours together. Each sample has four times the variance of its part of
-    /// the disc. The disc of the directions is smaller by as much, so that all samples together have the variance of the light. Up to four
-    /// samples are all at the centre. Samples that faced the surface would each give the whole disc's irradiance over the mean of its
+    /// the disc, or more below 16 samples. The disc of the directions is smaller by as much, so that all samples together have the variance
+    /// of the light. Up to eight samples are all at the centre. Samples that faced the surface would each give the whole disc's irradiance over the mean of its
     /// cosines.
     pub fn incident(&self, point: [f64; 2], count: u32) -> Incident {
         let centre = direction(self.theta, self.phi);
-        let share = (WIDER / f64::from(count.max(1))).min(1.0);
+        let share = share_of_sample(count);
         let disc = 1.0 - (0.5 * self.size).to_radians().cos();
         let cap = disc * (1.0 - share);
         // The cosine to the centre is spread evenly over a cap.
@@ -174,9 +174,9 @@ mod tests {
         let across = centre.any_orthonormal_vector();
         let variance = directions.iter().map(|d| d.dot(across).powi(2)).sum::<f64>() / count;
         assert!((variance / light.variance() - 1.0).abs() < 1e-3);
-        assert!((light.incident([0.1, 0.2], 4).direction - centre).length() < 1e-7);
+        assert!((light.incident([0.1, 0.2], 8).direction - centre).length() < 1e-7);
         // For any number of samples, their spread and the variance of each add up to the light's variance.
-        for count in [5, 16, 100] {
+        for count in [9, 16, 100] {
             let all = (0..side * side)
                 .map(|i| light.incident([place((i % side) as usize), place((i / side) as usize)], count));
             let spread = all.map(|i| i.direction.dot(across).powi(2)).sum::<f64>() / f64::from(side * side);

@@ -8,6 +8,15 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 /// Variance of a sample's average relative to the variance of its part of the light. If the parts just touched, the sum of their blurs
 /// would ripple; twice the width (four times the variance) leaves little of the ripple (Křivánek and Colbert 2008, 4.2).
 pub(super) const WIDER: f64 = 4.0;
+/// Number of samples of a disc or lamp below which the share of each grows faster, as (MANY_SAMPLES/N)²: so few points lie unevenly, and
+/// draw the light's image askew. With the first power, eight samples of a mirrored disc err more than one.
+const MANY_SAMPLES: f64 = 16.0;
+
+/// Returns the share of the variance of a disc or lamp that each of `count` samples averages over; their points have the rest.
+pub(super) fn share_of_sample(count: u32) -> f64 {
+    let count = f64::from(count.max(1));
+    (WIDER / count * (MANY_SAMPLES / count).max(1.0)).min(1.0)
+}
 
 /// Light sample: one direction or one point, which stands for a part of the light.
 #[derive(Clone, Copy, Debug, PartialEq)]

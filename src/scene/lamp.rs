@@ -1,6 +1,6 @@
 //! Lamps: spheres and rectangles that stand in the scene, near enough that pixels see them in different directions and at different distances.
 
-use super::incident::{Emits, Incident, LampPoint, WIDER, concentric, spread_of};
+use super::incident::{Emits, Incident, LampPoint, concentric, share_of_sample, spread_of};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Coherence;
 use crate::units;
@@ -157,7 +157,7 @@ impl Lamp {
     /// variance along both axes. The points are drawn from a smaller lamp, as by [`super::far_light::FarLight::incident`]. For a sphere
     /// they are drawn from the disc that the middle of `room` sees.
     pub fn incident(&self, point: [f64; 2], count: u32, room: &Room) -> Incident {
-        let share = (WIDER / f64::from(count.max(1))).min(1.0);
+        let share = share_of_sample(count);
         let normal = self.normal(room);
         let [across, up] = axes(normal);
         let (at, emits, variance) = match self.shape {

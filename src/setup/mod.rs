@@ -22,7 +22,7 @@ use crate::render::source::{Grating, Source, Table};
 use crate::settings::{Method, Optics};
 use crate::spectra::amplitude::{self, LayerSettings, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
-use crate::surface::{HeightField, tiling};
+use crate::surface::{HeightField, statistics, tiling};
 use crate::table::{ColorTable, TableSettings, bake};
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
@@ -261,10 +261,15 @@ pub fn pigment_alone() -> Source {
     Source::Table(Table { table: DARK.clone(), energy: None })
 }
 
-/// Returns the default continuation of the surface beyond a patch like `field`: copies if they join without visible
-/// steps.
+/// Returns the default continuation of the surface beyond a patch like `field`: copies if they join without visible steps and without a
+/// jump of phase. Where there is too little memory for the spectrum, the steps decide.
 pub fn beyond_of(field: &HeightField) -> Beyond {
-    match tiling::tiles(field).verdict {
+    continued(&statistics::joining(field).unwrap_or_else(|_| tiling::tiles(field)))
+}
+
+/// Returns the default continuation of a surface whose seams are `tiling`.
+pub fn continued(tiling: &tiling::Tiling) -> Beyond {
+    match tiling.verdict {
         tiling::Verdict::Tiles => Beyond::Copies,
         _ => Beyond::Alike,
     }

@@ -12,6 +12,10 @@ use serde::Serialize;
 /// ratios of 2 and more, unless neighbouring samples are unrelated; then a seam makes no difference.
 pub const LARGEST_RATIO: f64 = 1.25;
 
+/// Largest distance of the number of periods over the patch from a whole number, for copies that join: the copies' period errs by this share
+/// of a period over the patch.
+const WHOLE: f64 = 0.1;
+
 /// A seam below this share of the RMS step inside is too small to be seen beside it.
 const NEGLIGIBLE: f64 = 0.05;
 
@@ -25,6 +29,9 @@ pub struct Tiling {
     /// RMS height difference across the seam \[µm\].
     #[serde(rename = "seam_m", serialize_with = "metres_of_both")]
     pub seam: [f64; 2],
+    /// Number of periods over the patch along `x` and `y` of a grating that is in phase all over it: of one that copies break, or else of the
+    /// strongest. `None` without such a grating, and where the steps alone were compared.
+    pub periods: [Option<f64>; 2],
     /// Seams that are visible in pictures.
     pub verdict: Verdict,
 }
@@ -44,6 +51,11 @@ pub enum Verdict {
 }
 
 impl Tiling {
+    /// Returns the number of periods along `axis` where copies break a grating, because it is no whole number.
+    pub fn broken_periods(&self, axis: usize) -> Option<f64> {
+        self.periods[axis].filter(|periods| (periods - periods.round()).abs() > WHOLE)
+    }
+
     /// Returns true if copies join without visible steps along `axis`, 0 for `x` and 1 for `y`.
     pub fn joins(&self, axis: usize) -> bool {
         match self.verdict {
@@ -56,6 +68,16 @@ impl Tiling {
 }
 
 impl Verdict {
+    /// Returns the verdict for copies that join along `x` and `y` or not.
+    pub(super) fn of(joins: [bool; 2]) -> Self {
+        match joins {
+            [true, true] => Self::Tiles,
+            [false, true] => Self::SeamAlongX,
+            [true, false] => Self::SeamAlongY,
+            [false, false] => Self::SeamAlongBoth,
+        }
+    }
+
     /// Returns the verdict in words, for `surface info`.
     pub fn words(self) -> &'static str {
         match self {
@@ -75,14 +97,8 @@ impl Verdict {
 pub fn tiles(field: &HeightField) -> Tiling {
     let axes = [steps_along_x(field), steps_along_y(field)];
     let [x, y] = [0, 1].map(|axis| axes[axis].ratio());
-    let joins = |(_, joins): (f64, bool)| joins;
-    let verdict = match (joins(x), joins(y)) {
-        (true, true) => Verdict::Tiles,
-        (false, true) => Verdict::SeamAlongX,
-        (true, false) => Verdict::SeamAlongY,
-        (false, false) => Verdict::SeamAlongBoth,
-    };
-    Tiling { ratio: [x.0, y.0], seam: [axes[0].seam, axes[1].seam], verdict }
+    let verdict = Verdict::of([x.1, y.1]);
+    Tiling { ratio: [x.0, y.0], seam: [axes[0].seam, axes[1].seam], periods: [None; 2], verdict }
 }
 
 /// RMS steps between neighbouring lines along one axis \[µm\].

@@ -7,6 +7,7 @@
 mod brdf;
 mod browser;
 mod cache;
+mod colour;
 mod devices;
 mod display;
 mod eval;

@@ -220,3 +220,34 @@ fn the_figure_has_the_peaks_and_the_grating_equation() {
         assert!(svg.contains(words), "{words}");
     }
 }
+
+#[test]
+fn grooves_that_do_not_fit_the_patch_go_on_alike_and_copies_of_them_are_told() {
+    let sandbox = Sandbox::new();
+    // 12.35 periods of 1.3 µm over 16.055 µm, whose edges are at one height.
+    let (period, periods, samples) = (1.3, 12.35, 200);
+    let pixel = period * periods / f64::from(samples) * 1e3;
+    let height =
+        |i: u32| (std::f64::consts::TAU * (periods * f64::from(i) / f64::from(samples) + 0.075)).sin();
+    sandbox.write(
+        "g.png",
+        crate::sandbox::grey_png(samples as usize, 60, |x, _| (127.5 + 127.0 * height(x as u32)) as u8),
+    );
+    let file = ["g.png", "--pixel-size", &format!("{pixel}nm"), "--height", "100nm"];
+    let info = sandbox.run2(&["surface", "info"], &file).done();
+    assert!(info.contains("12.35 periods along x"), "{info}");
+    let found = |more: &[&str]| {
+        let ask =
+            ["--theta-i", "60", "--angles=-45:-5:0.02", "--wavelengths", "450:650:50", "--json", "p.json"];
+        let outcome = sandbox.run2(&["peaks"], &[&file[..], &ask, more].concat());
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
+        (json["period_nm"]["mean"].as_f64().unwrap(), json["shift_of_copies_nm"].as_f64(), outcome.stderr)
+    };
+    let (alike, shift, _) = found(&[]);
+    assert!((alike / 1300.0 - 1.0).abs() < 5e-3 && shift.is_none(), "{alike}, {shift:?}");
+    let (copies, shift, said) = found(&["--beyond", "copies"]);
+    let shift = shift.unwrap();
+    assert!((copies - 1300.0).abs() > 20.0 && (copies - 1300.0).abs() < 1.1 * shift, "{copies}, {shift}");
+    assert!(said.contains("the patch holds 12.35 periods along x, and its copies 12"), "{said}");
+}

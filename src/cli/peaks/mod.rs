@@ -1,5 +1,6 @@
 //! `diffract peaks`: peak angles of each wavelength, against the grating equation.
 
+mod copies;
 mod figure;
 mod report;
 mod sweep;
@@ -13,10 +14,11 @@ use crate::files::Files;
 use crate::measure::peaks::{PeriodStatistics, Sought, WindowSpread};
 use crate::optics::coherence::Windows;
 use clap::{Args, ValueEnum};
+use copies::CopiedPeriods;
 use report::{Found, PeaksReport};
 use serde::Serialize;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use sweep::{AngleSweep, independent_windows};
 
 /// Nanometres in a micrometre.
@@ -211,10 +213,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let windows: Vec<Vec<Found>> = asked.iter().map(|one| searched(arguments, one)).collect();
     write::text(arguments.output.as_deref(), &report::table(&found)?)?;
     tell(&found, &windows);
+    let copies = CopiedPeriods::of(&optics, &field)?;
+    if let Some(copies) = &copies {
+        say(copies);
+    }
     if let Some(path) = &arguments.plot {
         figure::figure(arguments, &field, &sweep, &found).save(path)?;
     }
-    arguments.json.as_deref().map_or(Ok(()), |path| json(arguments, path, &found, &windows))
+    let shift = copies.as_ref().map(CopiedPeriods::relative_shift);
+    let reports = reports(arguments, &found, &windows, shift);
+    arguments.json.as_deref().map_or(Ok(()), |path| match &reports[..] {
+        [only] => write::json(path, only),
+        all => write::json(path, &all),
+    })
 }
 
 /// Finds the peaks of every requested order.
@@ -272,15 +283,16 @@ fn tell(found: &[Found], windows: &[Vec<Found>]) {
     }
 }
 
-/// Writes one report for one order, a list of them for several.
-fn json(arguments: &Arguments, path: &Path, found: &[Found], windows: &[Vec<Found>]) -> Result<()> {
+/// Returns a report for each order, with the shift of the period by copies, relative to it.
+fn reports(
+    arguments: &Arguments,
+    found: &[Found],
+    windows: &[Vec<Found>],
+    shift: Option<f64>,
+) -> Vec<PeaksReport> {
     let report = |(i, of): (usize, &Found)| {
         let alone: Vec<&Found> = windows.iter().map(|window| &window[i]).collect();
-        PeaksReport::new(arguments.theta_i, arguments.axis, of, &alone)
+        PeaksReport::new(arguments.theta_i, arguments.axis, of, &alone).with_shift(shift)
     };
-    let reports: Vec<PeaksReport> = found.iter().enumerate().map(report).collect();
-    match &reports[..] {
-        [only] => write::json(path, only),
-        all => write::json(path, &all),
-    }
+    found.iter().enumerate().map(report).collect()
 }

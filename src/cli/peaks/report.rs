@@ -205,6 +205,9 @@ pub struct PeaksReport {
     clear: usize,
     /// Period over the wavelengths that have one; of the strongest branch if there are several.
     period_nm: PeriodSummary,
+    /// Largest shift of the period by copies of the patch that break a grating \[nm\]; absent if they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shift_of_copies_nm: Option<f64>,
     /// Spread over windows, if several are averaged.
     #[serde(skip_serializing_if = "Option::is_none")]
     over_windows: Option<PeriodSpread>,
@@ -314,9 +317,16 @@ impl PeaksReport {
             with_period: found.statistics.count,
             clear: found.statistics.clear,
             period_nm: PeriodSummary::of(period),
+            shift_of_copies_nm: None,
             over_windows: PeriodSpread::of_some(spread, period),
             windows: alone.into_iter().map(WindowReport::of).collect(),
             branches: found.branches.iter().map(BranchReport::of).collect(),
         }
+    }
+
+    /// Adds the shift of the period by copies, relative to the period.
+    pub fn with_shift(mut self, relative: Option<f64>) -> Self {
+        self.shift_of_copies_nm = relative.zip(self.period_nm.mean).map(|(shift, mean)| shift * mean);
+        self
     }
 }

@@ -12,6 +12,7 @@ use crate::spectra::amplitude::layers::largest_z;
 use crate::spectra::power::{Estimate, OrderSeries, PowerSettings};
 use crate::surface::prepare;
 use crate::surface::statistics::{Period, notes};
+use crate::surface::tiling::Tiling;
 use crate::surface::{HeightField, Statistics, SurfaceSource};
 
 /// Name and text of a line.
@@ -55,21 +56,27 @@ fn pair([x, y]: [f64; 2], unit: &str, factor: f64) -> String {
 fn grid(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> Vec<Line> {
     let tiling = &statistics.tiling;
     let [x, y] = tiling.ratio;
-    let seams =
-        format!("{} (steps across the seams {x:.2}, {y:.2} of the nearest inside)", tiling.verdict.words());
+    let broken = ["x", "y"].into_iter().enumerate().filter_map(|(axis, name)| {
+        tiling.broken_periods(axis).map(|periods| format!("{periods:.2} periods along {name}, "))
+    });
+    let seams = format!(
+        "{} ({}steps across the seams {x:.2}, {y:.2} of the nearest inside)",
+        tiling.verdict.words(),
+        broken.collect::<String>()
+    );
     vec![
         ("samples", format!("{} x {}", field.columns(), field.rows())),
         ("spacing", pair(field.pixel_size(), "nm", 1e3)),
         ("patch", pair(field.patch_size(), "um", 1.0)),
         ("prepared by", prepare::describe(&source.prepare)),
         ("tiles", seams),
-        ("beyond the patch", beyond(field).to_owned()),
+        ("beyond the patch", beyond(tiling).to_owned()),
     ]
 }
 
-/// Returns the default of `--beyond` for `field`, with the reason.
-fn beyond(field: &HeightField) -> &'static str {
-    match setup::beyond_of(field) {
+/// Returns the default of `--beyond` for a surface with these seams, with the reason.
+fn beyond(tiling: &Tiling) -> &'static str {
+    match setup::continued(tiling) {
         Beyond::Copies => "copies by default, because copies join",
         Beyond::Alike => "alike by default, because copies do not join",
     }
@@ -107,15 +114,15 @@ fn spectrum(statistics: &Statistics) -> Vec<Line> {
     let mut lines = vec![("Sal", sal), ("Std", std)];
     if statistics.periods.is_empty() {
         lines.push(("dominant period", "none stands out".to_owned()));
+        let [along_x, along_y] = statistics.line_periods;
+        lines.push(("period along x, y", format!("{}, {}", period(along_x), period(along_y))));
     }
     lines.extend(statistics.periods.iter().map(|p| ("dominant period", dominant(p))));
-    let [along_x, along_y] = statistics.line_periods;
     let fine = format!(
         "{:.2} % of the variance in structure finer than 4 samples",
         100.0 * statistics.undersampled_share
     );
     lines.extend([
-        ("period along x, y", format!("{}, {}", period(along_x), period(along_y))),
         ("holds frequencies to", pair(statistics.largest_frequency, "1/um", 1.0)),
         ("finest structure", fine),
         ("noise floor", format!("{:.2} nm RMS at most", statistics.noise * 1e3)),
@@ -128,12 +135,13 @@ fn dominant(period: &Period) -> String {
         spread.map_or(String::new(), |s| format!(" ± {:.digits$} {unit}", s * factor))
     };
     format!(
-        "{:.4} um{} at {:.2} deg{} from +x, amplitude {}",
+        "{:.4} um{} at {:.2} deg{} from +x, amplitude {}, {}",
         period.length,
         spread(period.length_spread, "um", 1.0, 4),
         period.direction,
         spread(period.direction_spread, "deg", 1.0, 2),
-        nm(period.amplitude)
+        nm(period.amplitude),
+        period.method.words()
     )
 }
 

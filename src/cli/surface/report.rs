@@ -75,7 +75,7 @@ impl SurfaceReport {
     ) -> Result<Self> {
         Ok(Self {
             prepare: source.prepare.iter().map(PreparationStep::to_string).collect(),
-            beyond: Some(setup::beyond_of(field).name()),
+            beyond: Some(setup::continued(&statistics.tiling).name()),
             notes: notes(field, &statistics)?,
             statistics: Some(statistics),
             scalar_theory: Some(scalar_theory),

@@ -59,7 +59,7 @@ pub struct Arguments {
     /// Refractive index of the surface
     #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
     ior: f64,
-    /// Spectrum of the light: d65, a, e, led, or a CSV file of wavelength in nm and power
+    /// Spectrum of the light: d65, d50, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
     illuminant: OsString,
     #[command(flatten)]

@@ -4,7 +4,7 @@ use super::interpolate::{EdgeRule, Resampler};
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::surface::transpose::transposed;
-use crate::surface::{HeightField, MAX_SIDE, tiling};
+use crate::surface::{HeightField, MAX_SIDE, statistics};
 use rayon::prelude::*;
 
 /// Returns `field` with samples about `spacing` \[µm\] apart: the nearest spacing that divides the patch, so that the patch keeps its size
@@ -24,7 +24,7 @@ pub(super) fn apply(field: &HeightField, spacing: [f64; 2]) -> Result<HeightFiel
     let [columns, rows] = wanted.map(|n| n as usize);
     let largest = columns.max(field.columns()) as u64 * rows.max(field.rows()) as u64;
     memory::ensure_room(3 * largest * size_of::<f64>() as u64, &format!("{columns} x {rows} samples"))?;
-    let tiling = tiling::tiles(field);
+    let tiling = statistics::joining(field)?;
     let across = along_rows(field.heights(), field.columns(), columns, EdgeRule::of(&tiling, 0));
     let turned = transposed(columns, &across);
     let both = along_rows(&turned, field.rows(), rows, EdgeRule::of(&tiling, 1));

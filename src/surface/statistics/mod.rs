@@ -3,9 +3,11 @@
 //! Nothing is levelled or filtered first: prepare the field, then measure it. Only spectra are taken of the heights less their plane, under
 //! a Hann window.
 
+mod bands;
 mod harmonics;
 pub mod height_spectrum;
 mod heights;
+mod joining;
 mod line_periods;
 mod notes;
 pub mod periods;
@@ -16,10 +18,11 @@ pub mod slopes;
 mod texture;
 
 pub use heights::{HeightParameters, deviation, mean};
+pub use joining::{joining, with_periods};
 pub use line_periods::line_periods;
 pub use notes::notes;
 pub(in crate::surface) use periods::wave_vector;
-pub use periods::{Period, dominant_periods};
+pub use periods::{Period, PeriodMethod, dominant_periods};
 pub use profile_form::ProfileKind;
 pub use relief::{ProfileShape, Relief};
 pub use slopes::Slopes;
@@ -27,7 +30,7 @@ pub use texture::Texture;
 
 use super::HeightField;
 use super::si::{metres, metres_of_both, metres_of_some, per_metre_of_both};
-use super::tiling::{Tiling, tiles};
+use super::tiling::Tiling;
 use crate::error::Result;
 use height_spectrum::SurfaceSpectrum;
 use serde::Serialize;
@@ -59,7 +62,7 @@ pub struct Statistics {
     /// Share of the height variance above half of the largest frequency. Structure there is finer than four samples, and what is finer than
     /// two is missing or folded back.
     pub undersampled_share: f64,
-    /// Seams between copies of the field.
+    /// Seams between copies of the field, in steps and in periods.
     pub tiling: Tiling,
 }
 
@@ -82,7 +85,7 @@ impl Statistics {
             line_periods: line_periods(field),
             noise: power.noise(),
             undersampled_share: power.undersampled_share(),
-            tiling: tiles(field),
+            tiling: joining(field)?,
         })
     }
 }

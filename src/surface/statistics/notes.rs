@@ -86,12 +86,23 @@ fn sampling(statistics: &Statistics) -> Option<String> {
 fn seams(statistics: &Statistics) -> Option<String> {
     use crate::surface::tiling::Verdict;
     let tiling = &statistics.tiling;
-    (tiling.verdict != Verdict::Tiles).then(|| {
-        format!(
-            "seams: copies do not join (steps across them {:.1} and {:.1} times the nearest inside); `tile` or `taper` makes them",
-            tiling.ratio[0], tiling.ratio[1]
-        )
-    })
+    if tiling.verdict == Verdict::Tiles {
+        return None;
+    }
+    let broken = ["x", "y"].into_iter().enumerate().filter_map(|(axis, name)| {
+        tiling.broken_periods(axis).map(|periods| format!("{periods:.2} periods along {name}"))
+    });
+    let broken: Vec<String> = broken.collect();
+    if !broken.is_empty() {
+        return Some(format!(
+            "seams: copies do not join, because the patch holds {}; `crop` it to whole periods, or `tile` or `taper` it",
+            broken.join(" and ")
+        ));
+    }
+    Some(format!(
+        "seams: copies do not join (steps across them {:.1} and {:.1} times the nearest inside); `tile` or `taper` makes them",
+        tiling.ratio[0], tiling.ratio[1]
+    ))
 }
 
 #[cfg(test)]

@@ -1,9 +1,11 @@
 //! The periods that stand out of the power spectrum of a field, with their directions and their uncertainty.
 
+use super::bands::{Band, bands};
 use super::height_spectrum::SurfaceSpectrum;
 use crate::error::Result;
-use crate::surface::HeightField;
 use crate::surface::si::{metres, metres_of_option};
+use crate::surface::{HeightField, Levelling};
+use rustfft::num_complex::Complex;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -13,8 +15,11 @@ pub struct Period {
     /// Its length \[µm\].
     #[serde(rename = "length_m", serialize_with = "metres")]
     pub length: f64,
+    /// How the length was found.
+    pub method: PeriodMethod,
     /// Uncertainty of the length \[µm\]: its standard deviation over the left, right, upper and lower half of the field, and what other
-    /// components of the spectrum may shift the peak by. `None` if halves are too small for the period.
+    /// components of the spectrum may shift a line by, or what the window shifts the middle of a band by. `None` if halves are too small
+    /// for the period.
     #[serde(rename = "length_spread_m", serialize_with = "metres_of_option")]
     pub length_spread: Option<f64>,
     /// Direction of its wave vector from +x toward +y, across the grooves, −90 … 90 \[degrees\].
@@ -28,12 +33,40 @@ pub struct Period {
     pub amplitude: f64,
 }
 
+/// How the length of a period was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PeriodMethod {
+    /// The frequency of a line of the spectrum: the heights repeat exactly.
+    Line,
+    /// The middle of a band of frequencies: the period varies over the field.
+    Band,
+}
+
+impl PeriodMethod {
+    /// Returns the method in words, for `surface info`.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Line => "a line of the spectrum",
+            Self::Band => "the middle of a band of the spectrum",
+        }
+    }
+}
+
 /// Smallest number of repeats over the field for a period.
 const FEWEST_CYCLES: f64 = 3.0;
 /// A peak's power over the mean power of noise at its |f|: white noise alone reaches 20 once in 5·10⁸ frequencies.
 const CLEAR: f64 = 30.0;
 /// A peak's power over that of the strongest.
 const STRONG: f64 = 0.02;
+/// Least share of the power of the band around it, less noise, that a line has.
+const LINE_SHARE: f64 = 0.8;
+/// Largest share of the power of the bins at and beside a line that its shape, that of the window's transform, leaves.
+const MISFIT: f64 = 0.1;
+/// Largest difference in the number of periods over the field, between the field and its halves, of an exact line.
+const EXACT: f64 = 0.05;
+/// Standard deviation of the length over half fields from which on a peak is no period, relative to the length: noise has such peaks, too.
+const UNSTEADY: f64 = 0.08;
 /// Peaks nearer to a stronger one than this share of its frequency belong to that peak.
 const OWN: f64 = 0.2;
 /// Bins that the main lobe of a Hann window reaches to each side.
@@ -58,20 +91,26 @@ pub fn dominant_periods(field: &HeightField, spectrum: &SurfaceSpectrum) -> Resu
         asked += 1;
         let spectrum = SurfaceSpectrum::windowed(&half?)?;
         for (peak, found) in peaks.iter().zip(&mut in_halves) {
-            let near = |f: [f64; 2]| distance(f, peak.frequency) < NEAR * length(peak.frequency);
-            if let Some((place, _)) = strongest(&spectrum, near) {
-                let f = refined(&spectrum, place);
-                // The opposite frequency has the same power.
-                let same_side = f[0] * peak.frequency[0] + f[1] * peak.frequency[1] >= 0.0;
-                found.push(if same_side { f } else { f.map(|x| -x) });
-            }
+            found.extend(peak.found_in(&spectrum));
         }
     }
+    let unwindowed = if peaks.iter().any(|peak| peak.method == PeriodMethod::Band) {
+        Some(SurfaceSpectrum::of_one_period(&field.levelled(Levelling::Plane)?)?)
+    } else {
+        None
+    };
+    let shifted = |peak: &SpectralPeak| match (peak.method, &unwindowed) {
+        (PeriodMethod::Band, Some(unwindowed)) => Band::around(unwindowed, peak.frequency)
+            .map_or(0.0, |band| length(peak.frequency) / band.length() - 1.0),
+        _ => leaked(spectrum, peak, &peaks),
+    };
     // A peak that most halves lack is a coincidence of the whole field.
     let shown = |in_halves: &[[f64; 2]]| 2 * in_halves.len() >= asked;
     let found = peaks.iter().zip(&in_halves).filter(|(_, in_halves)| shown(in_halves));
-    let periods = found.map(|(peak, in_halves)| period(peak, in_halves, leaked(spectrum, peak, &peaks)));
-    Ok(periods.collect())
+    let periods = found.map(|(peak, in_halves)| period(peak, in_halves, shifted(peak)));
+    let steady =
+        |period: &Period| period.length_spread.is_none_or(|spread| spread < UNSTEADY * period.length);
+    Ok(periods.filter(steady).collect())
 }
 
 /// Returns the wave vector of the strongest period \[1/µm\], by which a rotation aligns grooves; `None` if no period stands out.
@@ -86,6 +125,8 @@ pub(in crate::surface) fn wave_vector(field: &HeightField) -> Result<Option<[f64
 
 /// A peak of the spectrum.
 struct SpectralPeak {
+    /// A line or the middle of a band.
+    method: PeriodMethod,
     /// Refined between the bins \[1/µm\]; `f_x ≥ 0`, apart from the refinement.
     frequency: [f64; 2],
     /// Amplitude of the sinusoid \[µm\].
@@ -101,10 +142,143 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1]).min((a[0] + b[0]).hypot(a[1] + b[1]))
 }
 
+impl SpectralPeak {
+    /// Returns the power of one sign of the frequency \[µm²\].
+    fn power(&self) -> f64 {
+        (self.amplitude / 2.0).powi(2)
+    }
+
+    fn of_band(band: &Band) -> Self {
+        Self { method: PeriodMethod::Band, frequency: band.frequency, amplitude: 2.0 * band.power.sqrt() }
+    }
+
+    /// Returns true if the frequency, or for a line a multiple of it, is within `reach` of `other`. Harmonics belong to the line.
+    fn has_multiple_within(&self, other: [f64; 2], reach: f64) -> bool {
+        let harmonics = if self.method == PeriodMethod::Line {
+            (length(other) / length(self.frequency)).round().max(1.0)
+        } else {
+            1.0
+        };
+        distance(self.frequency.map(|f| harmonics * f), other) <= reach
+    }
+
+    /// Returns the frequency of this peak in the `spectrum` of a part of the field; `None` if it is not there.
+    fn found_in(&self, spectrum: &SurfaceSpectrum) -> Option<[f64; 2]> {
+        if self.method == PeriodMethod::Band {
+            return Band::around(spectrum, self.frequency).map(|band| band.frequency);
+        }
+        let near = |f: [f64; 2]| distance(f, self.frequency) < NEAR * length(self.frequency);
+        let (place, _) = strongest(spectrum, near)?;
+        let f = refined(spectrum, place);
+        // The opposite frequency has the same power.
+        let same_side = f[0] * self.frequency[0] + f[1] * self.frequency[1] >= 0.0;
+        Some(if same_side { f } else { f.map(|x| -x) })
+    }
+}
+
+/// Returns the lines and the bands that stand out, the strongest first. What looks like a line and has another shape, or little of the
+/// power around it, is the highest of many frequencies in a band.
 fn peaks(field: &HeightField, spectrum: &SurfaceSpectrum) -> Vec<SpectralPeak> {
-    // Rounding leaves this much of the heights behind.
+    let mut found: Vec<SpectralPeak> = Vec::new();
+    let mut wide = Vec::new();
+    for line in lines(field, spectrum) {
+        match Band::around(spectrum, line.frequency) {
+            Some(band) if !is_line(spectrum, &line, &band) => wide.push(band),
+            _ => found.push(line),
+        }
+    }
+    wide.extend(bands(spectrum, FEWEST_CYCLES).into_iter().filter(|band| band.power > rounding(field)));
+    for band in wide {
+        let own = |peak: &SpectralPeak| peak.has_multiple_within(band.frequency, band.reach());
+        if !found.iter().any(own) {
+            found.push(SpectralPeak::of_band(&band));
+        }
+    }
+    found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+    let strongest = found.first().map_or(0.0, SpectralPeak::power);
+    found.retain(|peak| peak.power() >= STRONG * strongest);
+    found.truncate(MOST);
+    found
+}
+
+/// Returns the frequencies of the exact lines \[1/µm\], the strongest first: those of gratings that are in phase over the whole field, so that
+/// each half of it has the same frequency.
+///
+/// # Errors
+/// Too little memory for the spectra of half fields.
+pub(super) fn exact_lines(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Vec<[f64; 2]>> {
+    let is_line = |line: &SpectralPeak| {
+        Band::around(spectrum, line.frequency).is_none_or(|band| is_line(spectrum, line, &band))
+    };
+    let mut exact: Vec<SpectralPeak> = lines(field, spectrum).into_iter().filter(is_line).collect();
+    if exact.is_empty() {
+        return Ok(Vec::new());
+    }
+    for half in halves(field) {
+        let half = SurfaceSpectrum::windowed(&half?)?;
+        exact.retain(|line| {
+            line.found_in(&half).is_none_or(|f| {
+                let periods = |axis: usize| (f[axis] - line.frequency[axis]).abs() * spectrum.patch[axis];
+                periods(0).max(periods(1)) < EXACT
+            })
+        });
+    }
+    Ok(exact.iter().map(|line| line.frequency).collect())
+}
+
+/// Returns true if `line` has the shape of a single frequency and most of the power of the band around it.
+fn is_line(spectrum: &SurfaceSpectrum, line: &SpectralPeak, band: &Band) -> bool {
+    let noise = spectrum.background(length(line.frequency)) * band.bins(spectrum);
+    line.power() >= LINE_SHARE * (band.power - noise) && misfit(spectrum, line.frequency) <= MISFIT
+}
+
+/// Returns the share of the power in the bins at and beside `frequency` that the transform of a Hann window there leaves.
+fn misfit(spectrum: &SurfaceSpectrum, frequency: [f64; 2]) -> f64 {
+    let at = [0, 1].map(|axis| frequency[axis] * spectrum.patch[axis]);
+    let middle = at.map(|bins| bins.round() as isize);
+    // Single lines have one bin along that axis.
+    let reach = spectrum.samples.map(|samples| isize::from(samples > 1));
+    let shape = |axis: usize, bin: isize| {
+        if reach[axis] == 0 { Complex::ONE } else { hann_transform(bin as f64 - at[axis]) }
+    };
+    let (mut all, mut product, mut shapes) = (0.0, Complex::<f64>::default(), 0.0);
+    for i in -reach[0]..=reach[0] {
+        for up in -reach[1]..=reach[1] {
+            let place = [middle[0] + i, middle[1] + up];
+            let measured = spectrum.value(place[0], -place[1]);
+            // Rows are counted downward, against y.
+            let model = shape(0, place[0]) * shape(1, place[1]).conj();
+            all += measured.norm_sqr();
+            product += measured * model.conj();
+            shapes += model.norm_sqr();
+        }
+    }
+    if all > 0.0 { 1.0 - product.norm_sqr() / (all * shapes) } else { 1.0 }
+}
+
+/// Returns the transform of a Hann window over many samples at `d` bins, relative to that at 0, with the phase of samples that are counted
+/// from the edge.
+fn hann_transform(d: f64) -> Complex<f64> {
+    // At 0 and 1 the quotient is 0/0.
+    let value = if d.abs() < 1e-6 {
+        1.0
+    } else if (d.abs() - 1.0).abs() < 1e-6 {
+        0.5
+    } else {
+        (PI * d).sin() / (PI * d) / (1.0 - d * d)
+    };
+    Complex::cis(-PI * d) * value
+}
+
+/// Returns the power that rounding leaves of the heights \[µm²\].
+fn rounding(field: &HeightField) -> f64 {
     let (low, high) = field.range();
-    let rounding = (1e-12 * low.abs().max(high.abs())).powi(2);
+    (1e-12 * low.abs().max(high.abs())).powi(2)
+}
+
+/// Returns the lines of the spectrum, the strongest first.
+fn lines(field: &HeightField, spectrum: &SurfaceSpectrum) -> Vec<SpectralPeak> {
+    let rounding = rounding(field);
     let bin = (1.0 / spectrum.patch[0]).max(1.0 / spectrum.patch[1]);
     let mut found: Vec<SpectralPeak> = Vec::new();
     let mut first_power = 0.0;
@@ -119,6 +293,7 @@ fn peaks(field: &HeightField, spectrum: &SurfaceSpectrum) -> Vec<SpectralPeak> {
             break;
         }
         found.push(SpectralPeak {
+            method: PeriodMethod::Line,
             frequency: refined(spectrum, place),
             amplitude: amplitude(spectrum, place),
         });
@@ -221,15 +396,16 @@ fn leaked(spectrum: &SurfaceSpectrum, peak: &SpectralPeak, peaks: &[SpectralPeak
         let d = (bins([x - sign * other.frequency[0], y - sign * other.frequency[1]]) - 1.0).max(LOBE);
         other.amplitude / peak.amplitude / (PI * d * (d * d - 1.0))
     };
-    let others =
-        peaks.iter().filter(|other| other.frequency != peak.frequency).map(|other| side_lobe(other, 1.0));
-    let sum = others.sum::<f64>() + peaks.iter().map(|other| side_lobe(other, -1.0)).sum::<f64>();
+    let lines = peaks.iter().filter(|other| other.method == PeriodMethod::Line);
+    let others = lines.clone().filter(|other| other.frequency != peak.frequency);
+    let sum = others.map(|other| side_lobe(other, 1.0)).sum::<f64>()
+        + lines.map(|other| side_lobe(other, -1.0)).sum::<f64>();
     BINS_PER_SHARE * sum / bins(peak.frequency)
 }
 
-/// Returns the period of a peak with its spread in `in_halves`, the frequencies of the peak in half fields, and the relative error `leaked`
-/// of its length.
-fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
+/// Returns the period of a peak with its spread in `in_halves`, the frequencies of the peak in half fields, and the relative error
+/// `shifted` of its length by the window or by other peaks.
+fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], shifted: f64) -> Period {
     let [x, y] = peak.frequency;
     let direction = (y / x).atan().to_degrees(); // ±90 where x is 0
     let lengths: Vec<f64> = in_halves.iter().map(|f| 1.0 / length(*f)).collect();
@@ -238,7 +414,8 @@ fn period(peak: &SpectralPeak, in_halves: &[[f64; 2]], leaked: f64) -> Period {
         in_halves.iter().map(|[u, v]| (x * v - y * u).atan2(x * u + y * v).to_degrees()).collect();
     Period {
         length: 1.0 / length(peak.frequency),
-        length_spread: deviation(&lengths).map(|spread| spread.hypot(leaked / length(peak.frequency))),
+        method: peak.method,
+        length_spread: deviation(&lengths).map(|spread| spread.hypot(shifted / length(peak.frequency))),
         direction,
         direction_spread: deviation(&angles),
         amplitude: peak.amplitude,
@@ -308,6 +485,38 @@ mod tests {
         let found = &periods(&two)[0];
         assert!((0.02..0.05).contains(&found.length_spread.unwrap()), "{found:?}");
         assert!(found.direction_spread.unwrap() < 0.2, "{found:?}");
+    }
+
+    /// Returns grooves along y whose period wanders by a tenth around 1 µm, 50 µm across, tilted and bowed.
+    fn wandering(seed: u64, bow: f64) -> HeightField {
+        let mut random = Random::new(seed);
+        let mut phase = vec![0.0_f64];
+        let mut rate = 0.0;
+        for _ in 0..500 {
+            // An autoregressive rate, correlated over 1 µm.
+            rate = 0.9 * rate + 0.08 * random.signed();
+            phase.push(phase[phase.len() - 1] + TAU * 0.1 * (1.0 + rate));
+        }
+        field(500, 100, move |x, y| {
+            0.1 * phase[(x / 0.1).round() as usize].sin()
+                + 0.01 * x
+                + bow * ((x - 25.0) / 25.0).powi(2) * (1.0 + 0.1 * y)
+        })
+    }
+
+    #[test]
+    fn a_period_that_wanders_is_the_middle_of_a_band_whatever_is_subtracted() {
+        for seed in 1..6 {
+            let found: Vec<Period> =
+                [0.0, 0.3, 1.0].map(|bow| periods(&wandering(seed, bow))[0].clone()).into();
+            let [first, ..] = &found[..] else { unreachable!() };
+            assert_eq!(first.method, PeriodMethod::Band, "{found:?}");
+            let spread = first.length_spread.unwrap();
+            assert!((first.length - 1.0).abs() < 0.1 && spread < 0.08, "{found:?}");
+            for other in &found {
+                assert!((other.length - first.length).abs() < 0.1 * spread.max(0.01), "{found:?}");
+            }
+        }
     }
 
     #[test]

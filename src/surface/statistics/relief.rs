@@ -1,11 +1,12 @@
 //! The kind of profile that a field has, with the two lengths on which errors of scalar theory depend.
 
 use super::height_spectrum::analysed_part;
+use super::joining::joining;
 use super::profile_form::{MeasuredSpectrum, ProfileForm, ProfileKind};
 use crate::error::Result;
 use crate::surface::HeightField;
 use crate::surface::si::metres;
-use crate::surface::tiling::{Verdict, tiles};
+use crate::surface::tiling::Verdict;
 use serde::Serialize;
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -69,7 +70,7 @@ impl Relief {
         let part = analysed_part(field);
         let (low, high) = part.range();
         // Copies that join are one period, in which each frequency is resolved.
-        let joins = tiles(&part).verdict == Verdict::Tiles;
+        let joins = joining(&part)?.verdict == Verdict::Tiles;
         let measured = MeasuredSpectrum::new(&part, joins)?;
         if measured.rms() <= ROUNDING * low.abs().max(high.abs()) {
             return Ok(Self::Flat);
