@@ -12,6 +12,7 @@ use crate::files::Files;
 use crate::optics::color::{adapted_to_d65, display, xyz_to_linear_srgb};
 use crate::optics::color_difference::lab_under;
 use crate::optics::geometry::{Pair, direction};
+use crate::optics::quadrature::gauss_legendre;
 use crate::optics::spectrum::{Illuminant, LONGEST, SHORTEST};
 use crate::setup::SourceSettings;
 use crate::units;
@@ -21,14 +22,19 @@ use geometry::NamedGeometry;
 use glam::{DQuat, DVec2, DVec3};
 use serde::Serialize;
 use std::borrow::Cow;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Distance of the wavelengths of a spectrum \[µm\], that of CIE's tables for spectrophotometers.
 const STEP: f64 = 5e-3;
-/// Directions in an aperture.
-const IN_APERTURE: u32 = 256;
+/// Rings of directions in an aperture.
+const RINGS: u32 = 8;
+/// Directions on each ring.
+const TURNS: u32 = 64;
+/// Standard deviation of the Gaussian that each direction stands for, over the radius of the aperture: about half the distance of neighbours, so that
+/// a lobe that is narrower does not fall between them.
+const BLUR: f64 = 0.055;
 /// Largest full angle of an aperture \[degrees\].
 const WIDEST: f64 = 30.0;
 /// Most geometries of one call.
@@ -128,7 +134,7 @@ fn aperture(text: &str) -> Result<f64> {
 
 /// A direction of view, and the answer to it.
 #[derive(Clone, Debug, Serialize)]
-struct Reading {
+struct AngleReading {
     /// Angle from the mirror direction toward the light \[degrees\]; `None` for a view by its own direction.
     aspecular: Option<f64>,
     theta_i: f64,
@@ -148,13 +154,13 @@ struct Reading {
 
 /// Everything, for JSON.
 #[derive(Serialize)]
-struct Readings<'a> {
+struct AngleReadings<'a> {
     illuminant: Cow<'a, str>,
     /// XYZ of the white; Y is 100.
     white: [f64; 3],
     observer: &'static str,
     aperture_deg: f64,
-    readings: &'a [Reading],
+    readings: &'a [AngleReading],
 }
 
 /// Computes the colours and writes them.
@@ -201,7 +207,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write::text(Some(path), &spectrum_table(&readings, &wavelengths, &spectra)?)?;
     }
     if let Some(path) = &arguments.json {
-        write::json(path, &Readings::new(&readings, &illuminant, white, arguments.aperture))?;
+        write::json(path, &AngleReadings::new(&readings, &illuminant, white, arguments.aperture))?;
     }
     write::text(arguments.output.as_deref(), &table(&readings)?)?;
     let drawn = ColourFigure {
@@ -215,16 +221,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// Returns the geometries that are asked for, unanswered.
-fn readings(arguments: &Arguments) -> Result<Vec<Reading>> {
+fn readings(arguments: &Arguments) -> Result<Vec<AngleReading>> {
     let light = arguments.light.unwrap_or_default();
-    let asked: Vec<Reading> = match &arguments.geometry {
+    let asked: Vec<AngleReading> = match &arguments.geometry {
         Some(named) => {
-            named.aspecular().map(|(theta, angle)| Reading::aspecular([theta, 0.0], angle)).collect()
+            named.aspecular().map(|(theta, angle)| AngleReading::aspecular([theta, 0.0], angle)).collect()
         }
         None if arguments.view.is_empty() => {
-            arguments.aspecular.iter().map(|angle| Reading::aspecular(light, *angle)).collect()
+            arguments.aspecular.iter().map(|angle| AngleReading::aspecular(light, *angle)).collect()
         }
-        None => arguments.view.iter().map(|view| Reading::unanswered(light, *view)).collect(),
+        None => arguments.view.iter().map(|view| AngleReading::unanswered(light, *view)).collect(),
     };
     if asked.len() > MOST_GEOMETRIES {
         return Err(Error::usage(
@@ -232,7 +238,8 @@ fn readings(arguments: &Arguments) -> Result<Vec<Reading>> {
             format!("give at most {MOST_GEOMETRIES}, or use `diffract eval`"),
         ));
     }
-    let below: Vec<String> = asked.iter().filter(|r| r.theta_r.abs() >= 90.0).map(Reading::name).collect();
+    let below: Vec<String> =
+        asked.iter().filter(|r| r.theta_r.abs() >= 90.0).map(AngleReading::name).collect();
     if !below.is_empty() {
         return Err(Error::usage(
             format!("the directions {} are below the horizon", below.join(", ")),
@@ -256,35 +263,39 @@ fn wavelengths() -> Vec<f64> {
 /// Directions over which a detector averages.
 struct Cone {
     pairs: Vec<Pair>,
+    /// Weights of the pairs; their sum is 1.
+    weights: Vec<f64>,
     /// Standard deviation of the Gaussian of (u, v) that each direction stands for.
     deviation: f64,
 }
 
 impl Cone {
-    /// Returns the cone around the view of `reading`, `aperture` degrees across. The directions are spread evenly over it along a spiral
-    /// (Vogel 1979), and each stands for a Gaussian as wide as its share of the cone.
-    fn of(reading: &Reading, aperture: f64) -> Self {
+    /// Returns the cone around the view of `reading`, `aperture` degrees across: rings by Gauss and Legendre's rule. They are drawn in so far that
+    /// the variance of the whole, with that of the Gaussians, is the cone's.
+    fn of(reading: &AngleReading, aperture: f64) -> Self {
         let light = direction(reading.theta_i, reading.phi_i);
         let middle = direction(reading.theta_r, reading.phi_r);
         let radius = (0.5 * aperture).to_radians();
         if radius == 0.0 {
-            return Self { pairs: vec![Pair::new(light, middle)], deviation: 0.0 };
+            return Self { pairs: vec![Pair::new(light, middle)], weights: vec![1.0], deviation: 0.0 };
         }
-        let golden = PI * (3.0 - 5f64.sqrt());
-        let turn = DQuat::from_rotation_arc(DVec3::Z, middle);
-        let view = |n: u32| {
-            let share = (f64::from(n) + 0.5) / f64::from(IN_APERTURE);
-            // Evenly over the solid angle: 1 − cos grows evenly.
-            let cosine = 1.0 - share * (1.0 - radius.cos());
-            let across = DVec2::from_angle(golden * f64::from(n)) * (1.0 - cosine * cosine).max(0.0).sqrt();
-            turn * across.extend(cosine)
-        };
-        let spacing = radius * (PI / f64::from(IN_APERTURE)).sqrt();
-        Self {
-            pairs: (0..IN_APERTURE).map(|n| Pair::new(light, view(n))).collect(),
-            // Variance of a square cell along each axis.
-            deviation: spacing / 12f64.sqrt(),
+        // A disc has a quarter of its squared radius along each axis.
+        let drawn_in = radius * (1.0 - 4.0 * BLUR * BLUR).sqrt();
+        let to_middle = DQuat::from_rotation_arc(DVec3::Z, middle);
+        let (mut pairs, mut weights) = (Vec::new(), Vec::new());
+        for (ring, (place, share)) in gauss_legendre(RINGS).into_iter().enumerate() {
+            let (sin, cos) = (drawn_in * place).sin_cos();
+            for turn in 0..TURNS {
+                // Every other ring is turned by half the distance of its directions.
+                let turns = (f64::from(turn) + 0.5 * (ring % 2) as f64) / f64::from(TURNS);
+                let across = DVec2::from_angle(TAU * turns) * sin;
+                pairs.push(Pair::new(light, to_middle * across.extend(cos)));
+                weights.push(share * sin);
+            }
         }
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+        Self { pairs, weights, deviation: BLUR * radius }
     }
 
     /// Returns the mean of f \[sr⁻¹\] over the cone, at `wavelength` \[µm\] or as XYZ.
@@ -296,11 +307,11 @@ impl Cone {
     ) -> Result<DVec3> {
         brdf.average_over(self.deviation);
         let found = evaluation::ask(brdf, &self.pairs, wavelength, bar)?;
-        Ok(found.iter().sum::<DVec3>() / found.len() as f64)
+        Ok(found.iter().zip(&self.weights).map(|(f, weight)| *f * *weight).sum())
     }
 }
 
-impl Reading {
+impl AngleReading {
     /// Returns an unanswered reading of light and view from these directions \[degrees\].
     fn unanswered([theta_i, phi_i]: [f64; 2], [theta_r, phi_r]: [f64; 2]) -> Self {
         let [xyz, lab] = [[0.0; 3]; 2];
@@ -341,9 +352,14 @@ impl Reading {
     }
 }
 
-impl<'a> Readings<'a> {
-    fn new(readings: &'a [Reading], illuminant: &'a Illuminant, white: DVec3, aperture: f64) -> Readings<'a> {
-        Readings {
+impl<'a> AngleReadings<'a> {
+    fn new(
+        readings: &'a [AngleReading],
+        illuminant: &'a Illuminant,
+        white: DVec3,
+        aperture: f64,
+    ) -> AngleReadings<'a> {
+        AngleReadings {
             illuminant: illuminant.name(),
             white: (100.0 * white).to_array(),
             observer: "CIE 1931 2 degree",
@@ -354,7 +370,7 @@ impl<'a> Readings<'a> {
 }
 
 /// Returns the CSV of the colours.
-fn table(readings: &[Reading]) -> Result<String> {
+fn table(readings: &[AngleReading]) -> Result<String> {
     let mut table = write::Csv::new();
     table.row(["aspecular", "theta_i", "phi_i", "theta_r", "phi_r", "X", "Y", "Z", "L", "a", "b", "srgb"])?;
     for r in readings {
@@ -369,9 +385,9 @@ fn table(readings: &[Reading]) -> Result<String> {
 }
 
 /// Returns the CSV of the radiance factors: a row for each wavelength \[nm\].
-fn spectrum_table(readings: &[Reading], wavelengths: &[f64], spectra: &[Vec<f64>]) -> Result<String> {
+fn spectrum_table(readings: &[AngleReading], wavelengths: &[f64], spectra: &[Vec<f64>]) -> Result<String> {
     let mut table = write::Csv::new();
-    table.row(std::iter::once("wavelength".to_owned()).chain(readings.iter().map(Reading::name)))?;
+    table.row(std::iter::once("wavelength".to_owned()).chain(readings.iter().map(AngleReading::name)))?;
     for (wavelength, spectrum) in wavelengths.iter().zip(spectra) {
         let cells = spectrum.iter().map(|f| format!("{:e}", PI * f));
         table.row(std::iter::once(format!("{:.0}", 1e3 * wavelength)).chain(cells))?;

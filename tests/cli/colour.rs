@@ -107,7 +107,7 @@ fn an_aperture_averages_over_its_cone() {
         csv.lines().skip(1).map(|line| numbers(&[line.split(',').nth(5).unwrap().to_owned()])[0]).collect();
     let weighted = |of: &dyn Fn(usize) -> f64| (0..all.len()).map(|i| cone[i][0] * of(i)).sum::<f64>();
     let exact = 100.0 * PI * weighted(&|i| all[i]) / weighted(&|_| 1.0);
-    // The cone's edge cuts through a steep flank of the blue order.
+    // The cone's edge cuts through the steep flank of an order.
     assert!((narrow / exact - 1.0).abs() < 0.01, "{narrow}, {exact}");
 }
 

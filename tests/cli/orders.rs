@@ -340,7 +340,7 @@ fn a_sweep_of_heights_follows_bessel_functions_and_names_its_error() {
         ["--light", "0,0", "--wavelength", "600nm", "--sweep", "height", "0:300:100", "--theory", "stam"];
     // 16 samples a period: the highest and the lowest are among them.
     let row: Vec<String> = (0..64).map(|i| format!("{:.12}", (TAU * f64::from(i) / 16.0).sin())).collect();
-    let header = "# Width: 8 um\n# Height: 500 nm\n# Value units: nm\n";
+    let header = "# Channel: Height\n# Width: 8 um\n# Height: 500 nm\n# Value units: nm\n";
     sandbox.write("wave.txt", header.to_owned() + &format!("{}\n", row.join(" ")).repeat(4));
     let (found, said) = swept(&sandbox, &[&["wave.txt", "--plot", "s.svg"], &more[..]].concat());
     assert!(said.contains("4 points; all orders together take"), "{said}");

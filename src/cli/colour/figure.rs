@@ -1,23 +1,23 @@
 //! Colours by angle as a labelled figure: where they lie in CIELAB, how light they are, and their spectra.
 
-use super::{Arguments, Reading};
+use super::{AngleReading, Arguments};
 use crate::cli::captions;
 use crate::figure::{Axis, AxisScale, Color, Figure, Mark, MarkShape, Panel, palette};
 use crate::surface::HeightField;
 use std::f64::consts::PI;
 
 /// Half the width of a chip of colour \[px\].
-const CHIP: f64 = 11.0;
+const CHIP: f64 = 8.0;
 /// Least half width of the plane of a* and b*: smaller chroma is hardly seen.
 const LEAST_CHROMA: f64 = 10.0;
 /// Space around the outermost chips, as a factor.
 const MARGIN: f64 = 1.25;
 
-/// What is drawn.
+/// Readings of a surface and how they were made.
 pub struct ColourFigure<'a> {
     pub arguments: &'a Arguments,
     pub field: &'a HeightField,
-    pub readings: &'a [Reading],
+    pub readings: &'a [AngleReading],
     /// Wavelengths of the spectra \[µm\]; none without spectra.
     pub wavelengths: &'a [f64],
     /// BRDF \[sr⁻¹\] by wavelength and reading.
@@ -47,7 +47,7 @@ impl ColourFigure<'_> {
     /// Returns the chips by lightness.
     fn lightness(&self) -> Panel {
         let is_aspecular = self.readings.iter().all(|reading| reading.aspecular.is_some());
-        let x = move |reading: &Reading, place: usize| {
+        let x = move |reading: &AngleReading, place: usize| {
             if is_aspecular { reading.aspecular.unwrap_or_default() } else { place as f64 + 1.0 }
         };
         let label = if is_aspecular { "aspecular angle [°]" } else { "number of the direction" };
@@ -57,21 +57,18 @@ impl ColourFigure<'_> {
         self.with_chips(panel.titled("Lightness"), |reading, place| [x(reading, place), reading.lab[0]])
     }
 
-    /// Returns `panel` with a chip and a name for each reading, where `at` puts it.
-    fn with_chips(&self, panel: Panel, at: impl Fn(&Reading, usize) -> [f64; 2]) -> Panel {
+    /// Returns `panel` with a chip for each reading, where `at` puts it.
+    fn with_chips(&self, panel: Panel, at: impl Fn(&AngleReading, usize) -> [f64; 2]) -> Panel {
         self.readings.iter().enumerate().fold(panel, |panel, (place, reading)| {
-            let point = at(reading, place);
             let disc = |color: Color, radius: f64| Mark::Points {
-                points: vec![point],
+                points: vec![at(reading, place)],
                 color,
                 shape: MarkShape::Disc,
                 radius,
             };
             // A rim sets a chip off from the paper.
-            panel
-                .mark(disc(palette::QUIET, CHIP + 1.0))
-                .mark(disc(Color(reading.display), CHIP))
-                .mark(Mark::note(point, format!("   {}", reading.name())))
+            let rimmed = panel.mark(disc(palette::QUIET, CHIP + 1.0));
+            rimmed.named(reading.name(), disc(Color(reading.display), CHIP))
         })
     }
 

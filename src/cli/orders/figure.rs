@@ -8,6 +8,8 @@ use crate::optics::reflectance::Reflectance;
 use crate::surface::HeightField;
 use std::collections::BTreeMap;
 
+/// Largest efficiency of an order that is drawn, over that of the brightest.
+const FAINTEST: f64 = 0.02;
 /// Space above the highest line, as a factor.
 const HEADROOM: f64 = 1.05;
 
@@ -70,6 +72,8 @@ fn brightest(run: &[SweepPoint]) -> Vec<[i64; 2]> {
     }
     let mut by_size: Vec<([i64; 2], f64)> = largest.into_iter().collect();
     by_size.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let least = by_size.first().map_or(0.0, |(_, most)| FAINTEST * most);
+    by_size.retain(|(_, most)| *most >= least);
     let mut kept: Vec<[i64; 2]> =
         by_size.into_iter().take(palette::SERIES.len()).map(|(numbers, _)| numbers).collect();
     kept.sort_unstable();

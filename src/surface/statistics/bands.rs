@@ -17,14 +17,14 @@ const MOST_STEPS: usize = 300;
 
 /// A band of the spectrum.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Band {
+pub(super) struct SpectralBand {
     /// Its middle \[1/µm\].
     pub frequency: [f64; 2],
     /// Power under the Gaussian around the middle, of one sign of the frequency \[µm²\].
     pub power: f64,
 }
 
-impl Band {
+impl SpectralBand {
     /// Returns the band whose middle is next to `start`: the fixed point of the mean frequency under a Gaussian weight (mean shift;
     /// Fukunaga and Hostetler 1975). `None` without power there.
     pub fn around(spectrum: &SurfaceSpectrum, start: [f64; 2]) -> Option<Self> {
@@ -95,7 +95,7 @@ const CLEAR: f64 = 8.0;
 const HIGHEST: f64 = 0.8;
 
 /// Returns the middles of the bands that stand out of the smoothed spectrum among frequencies of at least `fewest_cycles` over the field.
-pub(super) fn bands(spectrum: &SurfaceSpectrum, fewest_cycles: f64) -> Vec<Band> {
+pub(super) fn bands(spectrum: &SurfaceSpectrum, fewest_cycles: f64) -> Vec<SpectralBand> {
     let lowest = fewest_cycles / spectrum.patch[0].max(spectrum.patch[1]);
     let axes = [0, 1].into_iter().filter(|&axis| spectrum.samples[axis] > 1);
     let highest = axes
@@ -108,9 +108,9 @@ pub(super) fn bands(spectrum: &SurfaceSpectrum, fewest_cycles: f64) -> Vec<Band>
     let is_enough = |[x, y]: [f64; 2]| (x * spectrum.patch[0]).hypot(y * spectrum.patch[1]) >= fewest_cycles;
     let smooth = Rings::of(spectrum, [lowest, highest], is_enough).smoothed();
     let starts = smooth.summits().map(|[ring, direction]| smooth.frequency(ring, direction));
-    let mut found: Vec<Band> = Vec::new();
-    for band in starts.filter_map(|start| Band::around(spectrum, start)) {
-        let same = |other: &Band| {
+    let mut found: Vec<SpectralBand> = Vec::new();
+    for band in starts.filter_map(|start| SpectralBand::around(spectrum, start)) {
+        let same = |other: &SpectralBand| {
             let [x, y] = [0, 1].map(|axis| other.frequency[axis] - band.frequency[axis]);
             x.hypot(y) < other.reach()
         };

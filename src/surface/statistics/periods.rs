@@ -1,6 +1,6 @@
 //! The periods that stand out of the power spectrum of a field, with their directions and their uncertainty.
 
-use super::bands::{Band, bands};
+use super::bands::{SpectralBand, bands};
 use super::height_spectrum::SurfaceSpectrum;
 use crate::error::Result;
 use crate::surface::si::{metres, metres_of_option};
@@ -15,7 +15,7 @@ pub struct Period {
     /// Its length \[µm\].
     #[serde(rename = "length_m", serialize_with = "metres")]
     pub length: f64,
-    /// How the length was found.
+    /// Method by which the length was found.
     pub method: PeriodMethod,
     /// Uncertainty of the length \[µm\]: its standard deviation over the left, right, upper and lower half of the field, and what other
     /// components of the spectrum may shift a line by, or what the window shifts the middle of a band by. `None` if halves are too small
@@ -33,7 +33,7 @@ pub struct Period {
     pub amplitude: f64,
 }
 
-/// How the length of a period was found.
+/// Method by which the length of a period was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PeriodMethod {
@@ -100,7 +100,7 @@ pub fn dominant_periods(field: &HeightField, spectrum: &SurfaceSpectrum) -> Resu
         None
     };
     let shifted = |peak: &SpectralPeak| match (peak.method, &unwindowed) {
-        (PeriodMethod::Band, Some(unwindowed)) => Band::around(unwindowed, peak.frequency)
+        (PeriodMethod::Band, Some(unwindowed)) => SpectralBand::around(unwindowed, peak.frequency)
             .map_or(0.0, |band| length(peak.frequency) / band.length() - 1.0),
         _ => leaked(spectrum, peak, &peaks),
     };
@@ -148,7 +148,7 @@ impl SpectralPeak {
         (self.amplitude / 2.0).powi(2)
     }
 
-    fn of_band(band: &Band) -> Self {
+    fn of_band(band: &SpectralBand) -> Self {
         Self { method: PeriodMethod::Band, frequency: band.frequency, amplitude: 2.0 * band.power.sqrt() }
     }
 
@@ -165,7 +165,7 @@ impl SpectralPeak {
     /// Returns the frequency of this peak in the `spectrum` of a part of the field; `None` if it is not there.
     fn found_in(&self, spectrum: &SurfaceSpectrum) -> Option<[f64; 2]> {
         if self.method == PeriodMethod::Band {
-            return Band::around(spectrum, self.frequency).map(|band| band.frequency);
+            return SpectralBand::around(spectrum, self.frequency).map(|band| band.frequency);
         }
         let near = |f: [f64; 2]| distance(f, self.frequency) < NEAR * length(self.frequency);
         let (place, _) = strongest(spectrum, near)?;
@@ -182,7 +182,7 @@ fn peaks(field: &HeightField, spectrum: &SurfaceSpectrum) -> Vec<SpectralPeak> {
     let mut found: Vec<SpectralPeak> = Vec::new();
     let mut wide = Vec::new();
     for line in lines(field, spectrum) {
-        match Band::around(spectrum, line.frequency) {
+        match SpectralBand::around(spectrum, line.frequency) {
             Some(band) if !is_line(spectrum, &line, &band) => wide.push(band),
             _ => found.push(line),
         }
@@ -208,7 +208,7 @@ fn peaks(field: &HeightField, spectrum: &SurfaceSpectrum) -> Vec<SpectralPeak> {
 /// Too little memory for the spectra of half fields.
 pub(super) fn exact_lines(field: &HeightField, spectrum: &SurfaceSpectrum) -> Result<Vec<[f64; 2]>> {
     let is_line = |line: &SpectralPeak| {
-        Band::around(spectrum, line.frequency).is_none_or(|band| is_line(spectrum, line, &band))
+        SpectralBand::around(spectrum, line.frequency).is_none_or(|band| is_line(spectrum, line, &band))
     };
     let mut exact: Vec<SpectralPeak> = lines(field, spectrum).into_iter().filter(is_line).collect();
     if exact.is_empty() {
@@ -227,7 +227,7 @@ pub(super) fn exact_lines(field: &HeightField, spectrum: &SurfaceSpectrum) -> Re
 }
 
 /// Returns true if `line` has the shape of a single frequency and most of the power of the band around it.
-fn is_line(spectrum: &SurfaceSpectrum, line: &SpectralPeak, band: &Band) -> bool {
+fn is_line(spectrum: &SurfaceSpectrum, line: &SpectralPeak, band: &SpectralBand) -> bool {
     let noise = spectrum.background(length(line.frequency)) * band.bins(spectrum);
     line.power() >= LINE_SHARE * (band.power - noise) && misfit(spectrum, line.frequency) <= MISFIT
 }
