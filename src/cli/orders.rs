@@ -52,7 +52,7 @@ Examples:
   diffract orders sinusoid --light 60,30 --wavelength 450nm --wavelength 650nm --material aluminium -o orders.csv
   diffract orders elaphe --light 30,0 --wavelength 550nm --least 1e-3
   diffract orders blaze --light 30,0 --sweep wavelength 400:700:5 --plot efficiencies.svg
-  diffract orders lamellar --wavelength 550nm --sweep angle -60:60:2 --material aluminium -o angles.csv"
+  diffract orders sinusoid --wavelength 550nm --sweep angle -60:60:2 --material aluminium -o angles.csv"
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name

@@ -10,6 +10,8 @@ use std::f64::consts::PI;
 const CHIP: f64 = 8.0;
 /// Least half width of the plane of a* and b*: smaller chroma is hardly seen.
 const LEAST_CHROMA: f64 = 10.0;
+/// Space above the lightest chip, as a factor.
+const HEADROOM: f64 = 1.05;
 /// Space around the outermost chips, as a factor.
 const MARGIN: f64 = 1.25;
 
@@ -53,7 +55,7 @@ impl ColourFigure<'_> {
         let label = if is_aspecular { "aspecular angle [°]" } else { "number of the direction" };
         let places = self.readings.iter().enumerate().map(|(place, reading)| x(reading, place));
         let most = self.readings.iter().map(|reading| reading.lab[0]).fold(100.0, f64::max);
-        let panel = Panel::new(Axis::fit(label, AxisScale::Linear, places), Axis::linear("L*", 0.0, most));
+        let panel = Panel::new(Axis::fit(label, AxisScale::Linear, places), Axis::linear("L*", 0.0, HEADROOM * most));
         self.with_chips(panel.titled("Lightness"), |reading, place| [x(reading, place), reading.lab[0]])
     }
 
@@ -92,10 +94,10 @@ impl ColourFigure<'_> {
         let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
         let aperture = match arguments.aperture {
             0.0 => String::new(),
-            degrees => format!(" through an aperture of {degrees}°"),
+            degrees => format!(", read through an aperture of {degrees}°"),
         };
         format!(
-            "{}, read{aperture}. CIELAB under the illuminant {}, CIE 1931 2° observer; chips as a display shows them. {}",
+            "{}{aperture}. CIELAB under the illuminant {}, CIE 1931 2° observer; chips as a display shows them. {}",
             captions::surface(&name, self.field),
             arguments.colour.illuminant.to_string_lossy(),
             captions::sentence(&captions::optics(&arguments.optics))
