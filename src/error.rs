@@ -49,6 +49,10 @@ pub enum Remedy {
     GaussianCoherence,
     /// A finite grating of fewer copies.
     FewerRepeats,
+    /// A larger part of the surface.
+    LargerPatch,
+    /// A surface that goes on as copies of the patch.
+    CopiesBeyond,
     /// A camera farther from the surface.
     FartherCamera,
     /// The distance between samples of the height field.
@@ -92,6 +96,8 @@ impl fmt::Display for Remedy {
             Self::ShorterCoherence => "ask for a shorter coherence length",
             Self::GaussianCoherence => "take a Gaussian coherence window",
             Self::FewerRepeats => "ask for fewer repeats of the patch",
+            Self::LargerPatch => "take a larger part of the surface",
+            Self::CopiesBeyond => "let it go on as copies of the patch",
             Self::FartherCamera => "look from farther away",
             Self::PixelSize => "give the distance between samples",
             Self::SurfaceOnScene => "name a scene, and this surface for it",

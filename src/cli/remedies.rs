@@ -27,6 +27,8 @@ fn option(remedy: &Remedy) -> Cow<'_, str> {
         Remedy::ShorterCoherence => "ask for a shorter --coherence",
         Remedy::GaussianCoherence => "use --coherence gaussian:LENGTH",
         Remedy::FewerRepeats => "ask for fewer --coherence repeats",
+        Remedy::LargerPatch => "take a larger --crop",
+        Remedy::CopiesBeyond => "use --beyond copies",
         Remedy::PixelSize => "give the distance between samples, as in --pixel-size 48.83nm",
         Remedy::SurfaceOnScene => "name a scene, and this surface by --surface, as in sphere --surface NAME",
         Remedy::FullHeight => "give what the largest grey code means, as in --height 434.7nm",

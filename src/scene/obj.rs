@@ -74,9 +74,10 @@ fn parse(bytes: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Me
     let survey = Survey::of(bytes, part, progress)?;
     memory::ensure_room(survey.triangles as u64 * BYTES_PER_TRIANGLE, "the triangles of the mesh")?;
     let models = models(&survey.geometry, progress)?;
+    let mut cutter = PolygonCutter::default();
     let mut triangles = Vec::new();
     for model in &models {
-        cut_faces(&model.mesh, &survey, progress, &mut triangles)?;
+        cut_faces(&model.mesh, &survey, &mut cutter, progress, &mut triangles)?;
     }
     drop(models);
     Mesh::build(triangles, progress)
@@ -482,6 +483,7 @@ const CORNERS_A_REPORT: usize = 1 << 16;
 fn cut_faces(
     mesh: &tobj::Mesh,
     survey: &Survey,
+    cutter: &mut PolygonCutter,
     progress: &Progress<'_>,
     triangles: &mut Vec<[Corner; 3]>,
 ) -> Result<()> {
@@ -492,7 +494,7 @@ fn cut_faces(
         normal: (!no_normal).then(|| three(&mesh.normals, mesh.normal_indices[k])),
         uv: (!no_uv).then(|| [0, 1].map(|c| mesh.texcoords[2 * mesh.texcoord_indices[k] as usize + c])),
     };
-    let (mut cutter, mut positions) = (PolygonCutter::default(), Vec::new());
+    let mut positions = Vec::new();
     let (mut first, mut reported) = (0, 0);
     for count in face_sizes(mesh) {
         positions.clear();

@@ -7,6 +7,12 @@ use glam::DVec3;
 /// Largest number of corners of a face that no fan covers. Cutting a tangled face of this size takes about a second.
 const MAX_CORNERS: usize = 1 << 14;
 
+/// Number of corners from which on the time of a concave face counts.
+const MANY_CORNERS: usize = 1 << 10;
+
+/// Largest sum of the squares of the corners of such faces, which their time grows with: that of eight faces of the largest size.
+const MOST_WORK: usize = 8 * MAX_CORNERS * MAX_CORNERS;
+
 /// Sine of the smallest angle for which a triangle counts as turned over; thinner ones have no direction in `f32` and make no triangle of a
 /// mesh.
 const THINNEST: f64 = 1e-6;
@@ -20,6 +26,8 @@ pub(super) struct PolygonCutter {
     earcut: Earcut<f64>,
     flat: Vec<[f64; 2]>,
     triangles: Vec<u32>,
+    /// Sum of the squares of the corners of all large concave faces so far.
+    work: usize,
 }
 
 impl PolygonCutter {
@@ -30,7 +38,7 @@ impl PolygonCutter {
     /// or that cross themselves have no inside, and some triangles cover them.
     ///
     /// # Errors
-    /// A polygon that no fan covers, of more than [`MAX_CORNERS`].
+    /// A polygon that no fan covers, of more than [`MAX_CORNERS`] corners; too many large ones.
     pub fn cut(&mut self, corners: &[DVec3]) -> Result<&[u32]> {
         let normal: DVec3 = fan(corners.len()).map(|t| cross(corners, t)).sum();
         let rounding = ROUNDING * corners.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
@@ -42,6 +50,18 @@ impl PolygonCutter {
         if corners.len() > MAX_CORNERS {
             return Err(Error::failed(
                 format!("a concave face has {} corners, more than {MAX_CORNERS}", corners.len()),
+                "cut large faces into triangles before exporting",
+            ));
+        }
+        if corners.len() >= MANY_CORNERS {
+            self.work += corners.len() * corners.len();
+        }
+        if self.work > MOST_WORK {
+            return Err(Error::failed(
+                format!(
+                    "many concave faces of up to {} corners take too long",
+                    corners.len().max(MANY_CORNERS)
+                ),
                 "cut large faces into triangles before exporting",
             ));
         }

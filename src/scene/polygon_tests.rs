@@ -114,6 +114,10 @@ fn polygons_without_an_area_and_tangled_ones_neither_panic_nor_take_long() {
     let tangle: Vec<[f64; 2]> = (0..MAX_CORNERS)
         .map(|k| [(k as f64 * 0.754_877_666).fract(), (k as f64 * k as f64 * 0.569_840_291).fract()])
         .collect();
+    let mut busy = PolygonCutter { work: MOST_WORK, ..PolygonCutter::default() };
+    assert!(busy.cut(&flat(&L)).is_ok(), "small faces do not count");
+    let e = busy.cut(&flat(&tangle)).unwrap_err().to_string();
+    assert!(e.contains("too long; cut large faces"), "{e}");
     let start = Instant::now();
     cut(&tangle);
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());

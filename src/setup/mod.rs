@@ -200,6 +200,7 @@ fn table(
     in_use: &mut InUse,
     progress: &Progress<'_>,
 ) -> Result<(Arc<ColorTable>, Option<Error>)> {
+    check_patch(field, settings.optics.beyond)?;
     let baked = settings.table_settings(limits);
     let wanted = Wanted {
         key: Key::new(&ColorTable::FORMAT, &(settings.power_settings()?, &baked), field)?,
@@ -213,6 +214,23 @@ fn table(
         bake(&series, &baked, &|done, of| progress("colours", done, of))
     };
     wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
+}
+
+/// Checks that a table of `field` is as exact as it promises.
+fn check_patch(field: &HeightField, beyond: Beyond) -> Result<()> {
+    /// Shortest side of a patch that goes on alike \[µm\]. The transform of the lag window is as wide as the sphere of directions for shorter ones,
+    /// and its side lobes, which a table does not hold, err by up to 9 times the tolerance.
+    const SHORTEST_ALIKE: f64 = 1.0;
+    let [width, height] = field.patch_size();
+    if beyond == Beyond::Copies || width.min(height) >= SHORTEST_ALIKE {
+        return Ok(());
+    }
+    Err(Error::usage(
+        format!(
+            "a patch of {width:.3} x {height:.3} um says too little about a surface that goes on alike for a colour table, which takes {SHORTEST_ALIKE} um"
+        ),
+        [Remedy::LargerPatch, Remedy::CopiesBeyond],
+    ))
 }
 
 /// Key and limits of data that a source needs.

@@ -105,3 +105,15 @@ fn a_profile_counts_three_samples_for_each_tap() {
     let samples: f64 = rest.split([',', '\n']).next().unwrap().trim().parse().unwrap();
     assert!(samples >= 3.0 && samples <= 3.0 * diffract::filter::MOST_OF_ROW as f64, "{samples}");
 }
+
+#[test]
+fn a_patch_that_says_little_has_no_table_alike() {
+    let sandbox = Sandbox::new();
+    sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n20,0,40,180\n");
+    let ask = ["eval", "xenopeltis", "--queries", "q.csv", "--method", "table", "--beyond", "alike"];
+    let e = sandbox.run2(&ask, &["--crop", "0.4um"]).refused(2);
+    assert!(e.contains("0.4") && e.contains("a larger --crop") && e.contains("--beyond copies"), "{e}");
+    sandbox.run2(&ask, &["--crop", "1.2um"]).done();
+    let copies = [&ask[..4], &["--method", "table", "--beyond", "copies", "--crop", "0.4um"]].concat();
+    sandbox.run(&copies).done();
+}

@@ -55,7 +55,8 @@ impl ColourFigure<'_> {
         let label = if is_aspecular { "aspecular angle [°]" } else { "number of the direction" };
         let places = self.readings.iter().enumerate().map(|(place, reading)| x(reading, place));
         let most = self.readings.iter().map(|reading| reading.lab[0]).fold(100.0, f64::max);
-        let panel = Panel::new(Axis::fit(label, AxisScale::Linear, places), Axis::linear("L*", 0.0, HEADROOM * most));
+        let panel =
+            Panel::new(Axis::fit(label, AxisScale::Linear, places), Axis::linear("L*", 0.0, HEADROOM * most));
         self.with_chips(panel.titled("Lightness"), |reading, place| [x(reading, place), reading.lab[0]])
     }
 

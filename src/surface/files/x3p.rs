@@ -22,6 +22,9 @@ pub const MAGIC: &[u8] = b"PK\x03\x04";
 /// Largest number of declarations of namespaces in a description; real ones have two.
 const MOST_NAMESPACES: usize = 100;
 
+/// Largest number of attributes of an element of a description; real ones have up to four.
+const MOST_ATTRIBUTES: usize = 200;
+
 /// Name of the description.
 const MAIN: &str = "main.xml";
 
@@ -36,10 +39,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let xml = decode_text(&member(&mut archive, &main, MAX_TEXT)?);
     // A description in memory takes many times its text.
     memory::ensure_room(xml.len() as u64 * 8, "the description of an X3P")?;
-    // The parser compares every declaration of a namespace with all others.
-    if xml.matches("xmlns").count() > MOST_NAMESPACES {
-        return Err(damaged(format!("its description declares more than {MOST_NAMESPACES} namespaces")));
-    }
+    check_complexity(&xml)?;
     let document = Document::parse(xml.trim_start_matches('\u{feff}')).map_err(damaged)?;
     let root = document.root_element();
     let mut header = X3pHeader::read(root)?;
@@ -194,6 +194,23 @@ impl X3pHeader {
             "the heights are floating-point numbers with an increment of {increment:e}; they were {how}"
         ))
     }
+}
+
+/// Checks that the description `xml` does not keep the parser busy for long: it compares every declaration of a namespace with all others, and
+/// every attribute of an element.
+fn check_complexity(xml: &str) -> Result<()> {
+    if xml.matches("xmlns").count() > MOST_NAMESPACES {
+        return Err(damaged(format!("its description declares more than {MOST_NAMESPACES} namespaces")));
+    }
+    // A value has no `<`, so that a piece has all attributes of its element.
+    let is_value = |text: &&str| text.trim_start().starts_with(['"', '\'']);
+    let attributes = |piece: &str| piece.split('=').skip(1).filter(is_value).count();
+    if xml.split('<').any(|piece| attributes(piece) > MOST_ATTRIBUTES) {
+        return Err(damaged(format!(
+            "an element of its description has more than {MOST_ATTRIBUTES} attributes"
+        )));
+    }
+    Ok(())
 }
 
 /// Returns the element at `path` below `node`, whatever the namespaces.

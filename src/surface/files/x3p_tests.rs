@@ -136,11 +136,16 @@ fn members_with_backslashes_are_read_like_any_other() {
 }
 
 #[test]
-fn a_description_of_very_many_namespaces_is_refused_at_once() {
-    let many: String = (0..10_000).map(|i| format!(" xmlns:a{i}=\"b\"")).collect();
-    let main = xml("D", "", LINK, [3, 2]).replacen("<Record1>", &format!("<Record1{many}>"), 1);
-    let refused = read(&archive(&[("main.xml", main.as_bytes())])).err().unwrap().to_string();
-    assert!(refused.contains("namespaces"), "{refused}");
+fn a_description_of_very_many_namespaces_or_attributes_is_refused_at_once() {
+    for (attribute, named) in [(" xmlns:a", "namespaces"), (" a", "attributes")] {
+        for quote in ["\"", "'", " '"] {
+            let many: String =
+                (0..100_000).map(|i| format!("{attribute}{i}={quote}>{}", quote.trim())).collect();
+            let main = xml("D", "", LINK, [3, 2]).replacen("<Record1>", &format!("<Record1{many}>"), 1);
+            let refused = read(&archive(&[("main.xml", main.as_bytes())])).err().unwrap().to_string();
+            assert!(refused.contains(named), "{refused}");
+        }
+    }
 }
 
 #[test]
