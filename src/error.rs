@@ -14,13 +14,17 @@ pub enum ErrorKind {
 
 /// Remedy: a change with which the request succeeds. Each setting has a variant, because every program has different names for it, its
 /// options or controls: see [`Error::in_words`]. `Display` names settings without any.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remedy {
     /// Anything but a setting: a whole phrase, as in `check the path`.
     Words(Cow<'static, str>),
     /// A larger accepted error.
     LargerTolerance,
+    /// An accepted error that is larger by at least this factor.
+    TimesTolerance(f64),
+    /// The least accepted error with which the request succeeds.
+    Tolerance(f64),
     /// A picture of fewer pixels.
     SmallerPicture,
     /// The mean over all coherence windows.
@@ -76,6 +80,8 @@ pub enum Remedy {
 impl fmt::Display for Remedy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::TimesTolerance(growth) => return write!(f, "ask for a tolerance {growth:.1} times as large"),
+            Self::Tolerance(tolerance) => return write!(f, "ask for a tolerance of {tolerance:e}"),
             Self::Words(words) => words,
             Self::LargerTolerance => "ask for a larger tolerance",
             Self::SmallerPicture => "ask for a smaller picture",
@@ -108,7 +114,7 @@ impl fmt::Display for Remedy {
 }
 
 /// Alternative remedies. Made from words, from one [`Remedy`] or from several.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Remedies(Vec<Remedy>);
 
 impl From<&'static str> for Remedies {
@@ -136,7 +142,7 @@ impl<const N: usize> From<[Remedy; N]> for Remedies {
 }
 
 /// Error with a remedy. Displays as one line: `what; remedy`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Error {
     kind: ErrorKind,
     what: String,
@@ -168,6 +174,18 @@ impl Error {
     #[must_use]
     pub fn or(mut self, remedy: impl Into<Remedies>) -> Self {
         self.remedies.append(&mut remedy.into().0);
+        self
+    }
+
+    /// Returns the same error with the tolerance `least` in place of a larger one; without it if there is none.
+    #[must_use]
+    pub fn with_tolerance(mut self, least: Option<f64>) -> Self {
+        let is_larger = |remedy: &Remedy| matches!(remedy, Remedy::LargerTolerance | Remedy::TimesTolerance(_));
+        if let Some(least) = least {
+            let replaced = |remedy| if is_larger(&remedy) { Remedy::Tolerance(least) } else { remedy };
+            self.remedies = self.remedies.into_iter().map(replaced).collect();
+        }
+        self.remedies.retain(|remedy| !is_larger(remedy));
         self
     }
 

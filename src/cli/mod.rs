@@ -20,6 +20,7 @@ mod orders;
 mod peaks;
 mod prepare;
 mod profile;
+mod progress;
 mod range;
 mod remedies;
 mod render;

@@ -24,6 +24,7 @@ use crate::settings::{Method, Optics};
 use crate::setup;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::HeightField;
+use crate::tolerance::TOLERANCES;
 use crate::units;
 use crate::vk::selection::DeviceChoice;
 use clap::builder::PossibleValue;
@@ -31,8 +32,6 @@ use clap::{Args, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::sync::Once;
 
-/// Range of tolerances: below the first, rounding of 32-bit floats dominates everywhere.
-const TOLERANCES: (f64, f64) = (1e-6, 1.0);
 /// Largest number of terms.
 const MAX_TERMS: usize = 128;
 /// Smallest and largest number of wavelengths.
