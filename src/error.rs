@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::io;
 
 /// Cause of an error, the user or the program; decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -225,6 +226,27 @@ impl fmt::Display for Error {
     }
 }
 
+/// Returns the cause of a failed access to a file or another thing of the system, in words: people know no numbers of errors.
+pub fn cause(error: &io::Error) -> String {
+    let words = match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file or folder",
+        io::ErrorKind::PermissionDenied => "the system denies access",
+        io::ErrorKind::IsADirectory => "it is a folder",
+        io::ErrorKind::NotADirectory => "a part of the path is no folder",
+        io::ErrorKind::StorageFull => "the disk is full",
+        io::ErrorKind::QuotaExceeded => "the quota of the disk is used up",
+        io::ErrorKind::ReadOnlyFilesystem => "the disk may only be read",
+        io::ErrorKind::FileTooLarge => "the file would be larger than the system allows",
+        io::ErrorKind::UnexpectedEof => "it ends too early",
+        io::ErrorKind::InvalidData => "its content is damaged",
+        io::ErrorKind::OutOfMemory => "there is too little memory",
+        // The text of the system, without its number.
+        _ => return error.to_string().split(" (os error").next().unwrap_or_default().to_lowercase(),
+    };
+    // An error without a number is not the system's and has a text that is more precise.
+    if error.raw_os_error().is_some() || error.get_ref().is_none() { words.to_owned() } else { error.to_string() }
+}
+
 /// Returns `text` as one plain line of readable length: file names and library messages may hold line breaks, control characters, or a
 /// megabyte of nines.
 fn line(text: &str) -> String {
@@ -243,6 +265,19 @@ impl std::error::Error for Error {}
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn causes_are_words_without_numbers() {
+        /// Numbers of ENOENT, EACCES, ENOSPC, EIO and EMFILE.
+        const NUMBERS: [i32; 5] = [2, 13, 28, 5, 24];
+        for number in NUMBERS {
+            let words = cause(&io::Error::from_raw_os_error(number));
+            assert!(!words.is_empty() && !words.contains("os error"), "{number}: {words}");
+        }
+        assert_eq!(cause(&io::Error::from_raw_os_error(2)), "there is no such file or folder");
+        let precise = io::Error::new(io::ErrorKind::InvalidData, "the block 7 is damaged");
+        assert_eq!(cause(&precise), "the block 7 is damaged");
+    }
 
     #[test]
     fn an_error_is_one_line_that_names_place_and_remedy() {

@@ -2,6 +2,7 @@
 
 use super::evaluation;
 use super::options::{ReflectanceOptions, SurfaceOptions, real};
+use super::prepare;
 use super::progress::Progress;
 use super::{say, write};
 use crate::brdf::DiffractionOrder;

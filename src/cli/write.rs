@@ -1,6 +1,6 @@
 //! Output of results to files and to stdout.
 
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::output;
 use std::io::Write;
 use std::path::Path;
@@ -20,7 +20,7 @@ pub fn without_controls(text: &str) -> String {
 pub fn printed(outcome: std::io::Result<()>) -> Result<()> {
     match outcome {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Error::failed(format!("stdout cannot be written ({e})"), "check where it goes"))
+            Err(Error::failed(format!("stdout cannot be written: {}", error::cause(&e)), "check where it goes"))
         }
         _ => Ok(()),
     }

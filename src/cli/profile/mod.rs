@@ -6,7 +6,7 @@ use super::autotune::{TunedSetting, tune};
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
 use super::options::sample_pixels;
 use super::progress::Progress;
-use super::write;
+use super::{prepare, write};
 use crate::error::Result;
 use crate::files::Files;
 use crate::measure::profile::{measure, rates};

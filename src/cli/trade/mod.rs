@@ -9,7 +9,7 @@ use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimit
 use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, coherence, ior, tolerance};
 use super::progress::Progress;
 use super::remedies::in_options;
-use super::{say, write};
+use super::{prepare, say, write};
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::measure::profile::NOISY;

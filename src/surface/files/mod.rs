@@ -31,7 +31,7 @@ pub mod x3p;
 pub mod xyz;
 
 use super::HeightField;
-use crate::error::{Error, Remedy, Result};
+use crate::error::{self, Error, Remedy, Result};
 use crate::{input, memory};
 use scan::{Quantity, Scan};
 use sidecar::Sidecar;
@@ -107,7 +107,7 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     // The file may grow while it is read, so the limit applies to the read bytes as well.
     file.take(MAX_FILE)
         .read_to_end(&mut bytes)
-        .map_err(|e| at(Error::failed(format!("cannot be read: {e}"), "check the disk")))?;
+        .map_err(|e| at(Error::failed(format!("cannot be read: {}", error::cause(&e)), "check the disk")))?;
     Ok(bytes)
 }
 
