@@ -5,6 +5,7 @@ mod benchmark;
 mod brdf;
 mod cache;
 mod captions;
+mod closed_stdout;
 mod colour;
 mod devices;
 mod eval;
@@ -28,6 +29,7 @@ mod scale;
 mod scene_options;
 mod sequence;
 mod surface;
+mod threads;
 mod trade;
 pub mod untrusted;
 mod usage;
@@ -147,7 +149,7 @@ fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T>
 
 fn run(arguments: Arguments) -> Result<()> {
     arguments.verbosity.apply();
-    start_threads();
+    threads::start();
     match arguments.command {
         #[cfg(feature = "viewer")]
         Command::View(arguments) => view::run(&arguments),
@@ -166,14 +168,6 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Help(arguments) => manual::help(&arguments),
         Command::Completions(arguments) => manual::completions(&arguments),
         Command::Manual(arguments) => manual::manual(&arguments),
-    }
-}
-
-/// Starts the thread pool for sums and transforms. If the system gives no threads, the calling thread does everything.
-fn start_threads() {
-    // A failed build of the global pool is final, so a local pool is tried first.
-    if rayon::ThreadPoolBuilder::new().build().is_err() {
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     }
 }
 

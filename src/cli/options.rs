@@ -324,16 +324,19 @@ fn basis(text: &str) -> Result<Basis> {
     named.ok_or_else(|| Error::usage(format!("there is no basis `{text}`"), "give taylor or optimal"))
 }
 
-/// Parses a relative error, as in `1e-2` or `1%`.
-pub fn tolerance(text: &str) -> Result<f64> {
+/// Parses a share within `range`, ends included, as in `1e-2` or `1%`; errors call it `what`.
+pub fn share(text: &str, (least, most): (f64, f64), what: &str) -> Result<f64> {
     const PERCENT: f64 = 100.0;
     match text.trim().strip_suffix('%') {
-        Some(number) => {
-            let (least, most) = TOLERANCES;
-            real(number, (PERCENT * least, PERCENT * most), "tolerance in percent").map(|x| x / PERCENT)
-        }
-        None => real(text, TOLERANCES, "tolerance"),
+        Some(number) => real(number, (PERCENT * least, PERCENT * most), &format!("{what} in percent"))
+            .map(|percent| percent / PERCENT),
+        None => real(text, (least, most), what),
     }
+}
+
+/// Parses a relative error, as in `1e-2` or `1%`.
+pub fn tolerance(text: &str) -> Result<f64> {
+    share(text, TOLERANCES, "tolerance")
 }
 
 fn terms(text: &str) -> Result<usize> {

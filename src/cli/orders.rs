@@ -1,7 +1,7 @@
 //! `diffract orders`: directions and efficiencies of the orders of a periodic surface.
 
 use super::evaluation;
-use super::options::{ReflectanceOptions, SurfaceOptions, real};
+use super::options::{ReflectanceOptions, SurfaceOptions, share};
 use super::prepare;
 use super::progress::Progress;
 use super::{say, write};
@@ -80,7 +80,7 @@ fn light(text: &str) -> Result<FarLight> {
 }
 
 fn least(text: &str) -> Result<f64> {
-    real(text, (0.0, 1.0), "share of the light")
+    share(text, (0.0, 1.0), "share of the light")
 }
 
 /// Computes the orders and writes them.
