@@ -54,7 +54,7 @@ pub struct Arguments {
     html: Option<PathBuf>,
     /// Mesh that the page shows beside its sphere, disc and plate: a built-in scene (snake, plate, sphere, disc, cd, skin), a mesh (.obj), or a
     /// scene file (.toml), whose first object it is. It takes at most 5 of the 6.7 MB: about 300000 triangles
-    #[arg(long, value_name = "SCENE", requires = "html")]
+    #[arg(long, value_name = "SCENE", requires = "html", hide_short_help = true)]
     mesh: Option<OsString>,
     /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table
     #[arg(long, value_name = "SIGMA", value_parser = footprint, allow_hyphen_values = true, default_value = "0.02")]
@@ -66,7 +66,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "html", "surface_name"])]
     check: Option<PathBuf>,
     /// Compare these answers of a port with the table
-    #[arg(long, value_name = "FILE", requires = "check", conflicts_with = "output")]
+    #[arg(long, value_name = "FILE", requires = "check", conflicts_with = "output", hide_short_help = true)]
     answers: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceOptions,

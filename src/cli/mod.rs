@@ -28,6 +28,7 @@ mod render;
 mod scale;
 mod scene_options;
 mod sequence;
+mod short_help;
 mod surface;
 mod threads;
 mod trade;

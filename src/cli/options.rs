@@ -74,24 +74,24 @@ pub struct OpticsOptions {
     pub method: Option<Method>,
     /// Expansion of one window's spectra (--windows 1x1): taylor (the thesis') or optimal (fewest terms) [default: optimal for pictures;
     /// else taylor if 32-bit floats hold it]
-    #[arg(long, value_name = "BASIS", value_parser = basis)]
+    #[arg(long, value_name = "BASIS", value_parser = basis, hide_short_help = true)]
     pub basis: Option<Basis>,
     /// Relative error that you accept; all other accuracy settings follow from it unless named [default: 1e-2]
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Terms of the expansion (--windows 1x1), instead of the number that the tolerance needs
-    #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true, hide_short_help = true)]
     pub terms: Option<usize>,
     /// Coherence of the light: gaussian:LENGTH, or grating:NxM for a finite grating of that many copies of the patch (also repeats:NxM)
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
     /// Positions of the coherence window to average over: all (as a pixel does), 1x1 (the thesis' single window, which shows speckle) or
     /// NxM of them [default: all; 1x1 for a finite grating]
-    #[arg(long, value_name = "all|NxM", value_parser = windows, allow_hyphen_values = true)]
+    #[arg(long, value_name = "all|NxM", value_parser = windows, allow_hyphen_values = true, hide_short_help = true)]
     pub windows: Option<Windows>,
     /// Continuation of the surface beyond the patch (--windows all): copies (a periodic surface, whose orders show) or alike (a surface
     /// with the same statistics) [default: copies if the edges of the field meet, else alike]
-    #[arg(long, value_name = "copies|alike", value_parser = beyond)]
+    #[arg(long, value_name = "copies|alike", value_parser = beyond, hide_short_help = true)]
     pub beyond: Option<Beyond>,
     #[command(flatten)]
     pub surface_reflectance: ReflectanceOptions,
@@ -218,7 +218,7 @@ impl OpticsOptions {
 #[command(next_help_heading = "Optics")]
 pub struct ColourOptions {
     /// Wavelengths of a colour, instead of the number that the tolerance needs
-    #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true, hide_short_help = true)]
     pub wavelengths: Option<usize>,
     /// Spectrum of the light: d65, d50, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_ILLUMINANT)]
@@ -272,7 +272,7 @@ impl DeviceOptions {
 #[command(next_help_heading = "Cache")]
 pub struct CacheOptions {
     /// Largest size of the cache on disk, as in 500MiB; 0 turns it off (see `diffract cache`)
-    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB")]
+    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB", hide_short_help = true)]
     pub cache_size: u64,
 }
 

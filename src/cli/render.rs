@@ -66,7 +66,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "16")]
     samples: u32,
     /// Shade only this many random pixels of those that the mesh covers (--method reference only)
-    #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true, hide_short_help = true)]
     sample_pixels: Option<usize>,
     #[command(flatten)]
     sequence: SequenceOptions,
@@ -77,7 +77,7 @@ pub struct Arguments {
     #[command(flatten)]
     colour: ColourOptions,
     /// Read the colour table of an export of the same surface and settings instead of making one
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", hide_short_help = true)]
     table: Option<PathBuf>,
     #[command(flatten)]
     device: DeviceOptions,

@@ -165,7 +165,7 @@ mod linux {
     fn a_result_for_a_stdout_that_is_closed_is_an_error() {
         let sandbox = with_inputs();
         sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n30,0,20,180\n");
-        for words in ["--help", "--version", "surface info flat", "eval flat --queries q.csv --method reference"] {
+        for words in ["--help", "--version", "surface info flat", "eval flat --queries q.csv --method reference --coherence gaussian:5um"] {
             let script = format!("exec \"$0\" {words} >&-");
             let mut command = Command::new("sh");
             command.args(["-c", &script]).arg(env!("CARGO_BIN_EXE_diffract")).current_dir(sandbox.path(""));

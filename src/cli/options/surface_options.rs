@@ -31,7 +31,7 @@ pub struct SurfaceOptions {
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
     /// Seed of a random built-in surface, and of the positions in a pixel of `--samples`
-    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
+    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1", hide_short_help = true)]
     pub seed: u64,
     #[command(flatten)]
     preparation: PreparationOptions,
