@@ -76,7 +76,8 @@ pub struct OpticsOptions {
     /// else taylor if 32-bit floats hold it]
     #[arg(long, value_name = "BASIS", value_parser = basis, hide_short_help = true)]
     pub basis: Option<Basis>,
-    /// Relative error that you accept; all other accuracy settings follow from it unless named [default: 1e-2]
+    /// Relative error that you accept, as in 1e-2 or 1%: of pictures and by a table that of all colours together (relative L2), of other numbers that of each
+    /// direction (RMS). All other accuracy settings follow from it unless named [default: 1e-2]
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Terms of the expansion (--windows 1x1), instead of the number that the tolerance needs
