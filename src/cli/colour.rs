@@ -1,10 +1,14 @@
 //! `diffract colour`: what a multi-angle spectrophotometer reads of a surface.
 
+mod figure;
+mod geometry;
+
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::progress::Progress;
 use super::{evaluation, prepare, write};
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
+use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::optics::color::{adapted_to_d65, display, xyz_to_linear_srgb};
 use crate::optics::color_difference::lab_under;
@@ -13,8 +17,11 @@ use crate::optics::spectrum::{Illuminant, LONGEST, SHORTEST};
 use crate::setup::SourceSettings;
 use crate::units;
 use clap::Args;
+use figure::ColourFigure;
+use geometry::NamedGeometry;
 use glam::{DQuat, DVec2, DVec3};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -22,7 +29,7 @@ use std::path::PathBuf;
 /// Distance of the wavelengths of a spectrum \[µm\], that of CIE's tables for spectrophotometers.
 const STEP: f64 = 5e-3;
 /// Directions in an aperture.
-const IN_APERTURE: u32 = 64;
+const IN_APERTURE: u32 = 256;
 /// Largest full angle of an aperture \[degrees\].
 const WIDEST: f64 = 30.0;
 /// Most geometries of one call.
@@ -32,14 +39,17 @@ const MOST_GEOMETRIES: usize = 1000;
 #[derive(Args, Debug)]
 #[command(
     after_help = "An aspecular angle is that from the mirror direction of the light toward the light, in the plane of incidence: with the \
-light at 45 degrees, 45 looks straight down (45/0), and 15, 45, 110 are the angles of ASTM E2194 for metallic paint.
+light at 45 degrees, 45 looks straight down (45/0).
+
+Named geometries: 45/0 (CIE 15); e2194 (ASTM E2194, metallic paint: 45as15, 45as45, 45as110); e2539 (ASTM E2539, interference \
+pigments: 45as-15, 45as15, 45as25, 45as45, 45as75, 45as110, 15as-15, 15as15).
 
 The answer is CSV, a row for each direction of view: aspecular [degrees], empty for --view; theta_i, phi_i, theta_r, phi_r [degrees]; X, Y, Z of \
 the radiance factor, where a white diffuse surface has Y = 100; L, a, b, CIELAB under the white of the illuminant; srgb, as a display shows \
 it, adapted to its white. 2 degree observer, CIE 1931.
 
 Examples:
-  diffract colour cd --light 45 --illuminant d50
+  diffract colour cd --geometry e2539 --illuminant d50 --plot cd.svg
   diffract colour elaphe --light 45 --aspecular -15,15,25,45,75,110 --aperture 2deg -o colours.csv
   diffract colour blaze --light 30,0 --view 0,0 --view 10,180 --spectrum spectra.csv --json colours.json"
 )]
@@ -47,8 +57,11 @@ pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
     /// Direction of the light, in degrees from the normal, and from +x toward +y
-    #[arg(long, value_name = "THETA[,PHI]", value_parser = angles, allow_hyphen_values = true)]
-    light: [f64; 2],
+    #[arg(long, value_name = "THETA[,PHI]", value_parser = angles, allow_hyphen_values = true, required_unless_present = "geometry")]
+    light: Option<[f64; 2]>,
+    /// Directions of light and view of an instrument, instead of --light and --aspecular: 45/0, e2194 or e2539
+    #[arg(long, value_name = "NAME", value_parser = NamedGeometry::from_name, conflicts_with_all = ["light", "aspecular", "view"])]
+    geometry: Option<NamedGeometry>,
     /// Directions of view by their angle from the mirror direction toward the light, in degrees
     #[arg(
         long,
@@ -71,6 +84,9 @@ pub struct Arguments {
     /// Output file, instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Draw the colours in CIELAB as SVG or PNG, and with --spectrum the spectra
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// Write the answer as JSON too
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -126,12 +142,15 @@ struct Reading {
     lab: [f64; 3],
     /// Colour on a display, as in #80ff00.
     srgb: String,
+    /// The same as 8-bit codes.
+    #[serde(skip)]
+    display: [u8; 3],
 }
 
 /// Everything, for JSON.
 #[derive(Serialize)]
 struct Readings<'a> {
-    illuminant: &'a str,
+    illuminant: Cow<'a, str>,
     /// XYZ of the white; Y is 100.
     white: [f64; 3],
     observer: &'static str,
@@ -142,11 +161,14 @@ struct Readings<'a> {
 /// Computes the colours and writes them.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
+    arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
-        .writes([&arguments.output, &arguments.json, &arguments.spectrum].into_iter().flatten())
+        .writes(
+            [&arguments.output, &arguments.json, &arguments.spectrum, &arguments.plot].into_iter().flatten(),
+        )
         .check()?;
     if arguments.spectrum.is_some() {
         evaluation::check_single_wavelengths(arguments.optics.method())?;
@@ -181,27 +203,28 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.json {
         write::json(path, &Readings::new(&readings, &illuminant, white, arguments.aperture))?;
     }
-    write::text(arguments.output.as_deref(), &table(&readings)?)
+    write::text(arguments.output.as_deref(), &table(&readings)?)?;
+    let drawn = ColourFigure {
+        arguments,
+        field: &field,
+        readings: &readings,
+        wavelengths: &wavelengths,
+        spectra: &spectra,
+    };
+    arguments.plot.as_deref().map_or(Ok(()), |path| drawn.draw().save(path))
 }
 
 /// Returns the geometries that are asked for, unanswered.
 fn readings(arguments: &Arguments) -> Result<Vec<Reading>> {
-    let [theta_i, phi_i] = arguments.light;
-    let unanswered = |aspecular: Option<f64>, [theta_r, phi_r]: [f64; 2]| Reading {
-        aspecular,
-        theta_i,
-        phi_i,
-        theta_r,
-        phi_r,
-        xyz: [0.0; 3],
-        lab: [0.0; 3],
-        srgb: String::new(),
-    };
-    let asked: Vec<Reading> = if arguments.view.is_empty() {
-        // Signed in the plane of incidence, where the light is at theta_i and the mirror direction at −theta_i.
-        arguments.aspecular.iter().map(|angle| unanswered(Some(*angle), [angle - theta_i, phi_i])).collect()
-    } else {
-        arguments.view.iter().map(|view| unanswered(None, *view)).collect()
+    let light = arguments.light.unwrap_or_default();
+    let asked: Vec<Reading> = match &arguments.geometry {
+        Some(named) => {
+            named.aspecular().map(|(theta, angle)| Reading::aspecular([theta, 0.0], angle)).collect()
+        }
+        None if arguments.view.is_empty() => {
+            arguments.aspecular.iter().map(|angle| Reading::aspecular(light, *angle)).collect()
+        }
+        None => arguments.view.iter().map(|view| Reading::unanswered(light, *view)).collect(),
     };
     if asked.len() > MOST_GEOMETRIES {
         return Err(Error::usage(
@@ -214,9 +237,10 @@ fn readings(arguments: &Arguments) -> Result<Vec<Reading>> {
         return Err(Error::usage(
             format!("the directions {} are below the horizon", below.join(", ")),
             format!(
-                "with the light at {theta_i} degrees, aspecular angles reach from {} to {}",
-                theta_i - 90.0,
-                theta_i + 90.0
+                "with the light at {} degrees, aspecular angles reach from {} to {}",
+                light[0],
+                light[0] - 90.0,
+                light[0] + 90.0
             ),
         ));
     }
@@ -277,6 +301,28 @@ impl Cone {
 }
 
 impl Reading {
+    /// Returns an unanswered reading of light and view from these directions \[degrees\].
+    fn unanswered([theta_i, phi_i]: [f64; 2], [theta_r, phi_r]: [f64; 2]) -> Self {
+        let [xyz, lab] = [[0.0; 3]; 2];
+        Self {
+            aspecular: None,
+            theta_i,
+            phi_i,
+            theta_r,
+            phi_r,
+            xyz,
+            lab,
+            srgb: String::new(),
+            display: [0; 3],
+        }
+    }
+
+    /// Returns an unanswered reading in the plane of incidence, at `angle` from the mirror direction toward the light \[degrees\].
+    fn aspecular(light: [f64; 2], angle: f64) -> Self {
+        // Signed in that plane, where the light is at theta_i and the mirror direction at −theta_i.
+        Self { aspecular: Some(angle), ..Self::unanswered(light, [angle - light[0], light[1]]) }
+    }
+
     /// Returns the geometry in words.
     fn name(&self) -> String {
         match self.aspecular {
@@ -289,7 +335,8 @@ impl Reading {
     fn answer(&mut self, factor: DVec3, white: DVec3) {
         self.xyz = (100.0 * factor).to_array();
         self.lab = lab_under(factor, white).to_array();
-        let [r, g, b] = display(xyz_to_linear_srgb(adapted_to_d65(factor, white)), 0.0);
+        self.display = display(xyz_to_linear_srgb(adapted_to_d65(factor, white)), 0.0);
+        let [r, g, b] = self.display;
         self.srgb = format!("#{r:02x}{g:02x}{b:02x}");
     }
 }
@@ -297,14 +344,7 @@ impl Reading {
 impl<'a> Readings<'a> {
     fn new(readings: &'a [Reading], illuminant: &'a Illuminant, white: DVec3, aperture: f64) -> Readings<'a> {
         Readings {
-            illuminant: match illuminant {
-                Illuminant::D50 => "d50",
-                Illuminant::D65 => "d65",
-                Illuminant::A => "a",
-                Illuminant::E => "e",
-                Illuminant::Led => "led",
-                Illuminant::Table(_) => "file",
-            },
+            illuminant: illuminant.name(),
             white: (100.0 * white).to_array(),
             observer: "CIE 1931 2 degree",
             aperture_deg: aperture,

@@ -1,5 +1,8 @@
 //! `diffract orders`: directions and efficiencies of the orders of a periodic surface.
 
+mod figure;
+mod sweep;
+
 use super::evaluation;
 use super::options::{ReflectanceOptions, SurfaceOptions, share};
 use super::prepare;
@@ -9,6 +12,7 @@ use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
 use crate::error::{Error, Result};
+use crate::figure::FigureFormat;
 use crate::files::Files;
 use crate::optics::coherence::Beyond;
 use crate::optics::geometry::{angles, direction};
@@ -22,6 +26,7 @@ use clap::Args;
 use glam::DVec3;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use sweep::{Sweep, SweptQuantity};
 
 /// Nanometres in a micrometre.
 const NM_PER_UM: f64 = 1e3;
@@ -38,23 +43,36 @@ would give the efficiency, by --theory stam R at the half vector; period [nm] of
 1/sqrt((m/Tx)^2 + (n/Ty)^2), empty for the specular order. stderr has the sum of the efficiencies and, because they are \
 those of scalar theory, by how much they err.
 
+--sweep computes the orders over a range, in unpolarised, TE and TM light: of wavelengths [nm]; of the angle of incidence [degrees], negative beyond the normal, in the \
+plane of --light's PHI; or of heights [nm] from the lowest point to the highest, to which the surface is stretched. Its rows have wavelength, theta_i and \
+height; m, n, theta_r and phi_r; te, tm and mean, the efficiencies; and error_te, error_tm and error_mean, the shares of the diffracted light that the \
+theory puts elsewhere, from rigorous computations, empty where none was made.
+
 Examples:
   diffract orders blaze --light 30,0 --wavelength 550nm
   diffract orders sinusoid --light 60,30 --wavelength 450nm --wavelength 650nm --material aluminium -o orders.csv
-  diffract orders elaphe --light 30,0 --wavelength 550nm --least 1e-3"
+  diffract orders elaphe --light 30,0 --wavelength 550nm --least 1e-3
+  diffract orders blaze --light 30,0 --sweep wavelength 400:700:5 --plot efficiencies.svg
+  diffract orders lamellar --wavelength 550nm --sweep angle -60:60:2 --material aluminium -o angles.csv"
 )]
 pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
     /// Direction of the light, in degrees from the normal and from +x toward +y
-    #[arg(long, value_name = "THETA,PHI", value_parser = light, allow_hyphen_values = true)]
-    light: FarLight,
+    #[arg(long, value_name = "THETA,PHI", value_parser = light, allow_hyphen_values = true, required_unless_present = "sweep")]
+    light: Option<FarLight>,
     /// Wavelength of the light, as in 550nm; may be given several times
     #[arg(
         long, value_name = "LENGTH", value_parser = evaluation::wavelength, allow_hyphen_values = true,
-        required = true
+        required_unless_present = "sweep"
     )]
     wavelength: Vec<f64>,
+    /// Compute the orders over a range: of wavelength (nm), angle (of incidence, degrees) or height (nm), as in --sweep wavelength 400:700:5
+    #[arg(long, num_args = 2, value_names = ["QUANTITY", "LO:HI:STEP"], allow_hyphen_values = true)]
+    sweep: Option<Vec<String>>,
+    /// Draw the efficiencies of a sweep as SVG or PNG
+    #[arg(long, value_name = "FILE", requires = "sweep")]
+    plot: Option<PathBuf>,
     /// Smallest efficiency of an order that is written
     #[arg(long, value_name = "SHARE", value_parser = least, allow_hyphen_values = true, default_value = "1e-9")]
     least: f64,
@@ -85,12 +103,17 @@ fn least(text: &str) -> Result<f64> {
 
 /// Computes the orders and writes them.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()).map(Path::new))
         .reads(arguments.surface_reflectance.files().map(Path::new))
-        .writes(&arguments.output)
+        .writes([&arguments.output, &arguments.plot].into_iter().flatten())
         .check()?;
     arguments.surface_reflectance.check()?;
+    let sweep = arguments.sweep.as_deref().map(Sweep::parse).transpose()?;
+    if let Some(sweep) = &sweep {
+        arguments.check_sweep(sweep)?;
+    }
     let reflectance = arguments.surface_reflectance.of_surface(None);
     for &wavelength in &arguments.wavelength {
         reflectance.check_wavelength(wavelength)?;
@@ -101,23 +124,82 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             &"the edges of the patch do not meet: its copies have steps, whose light is in the orders; crop the patch to whole periods (--crop)",
         );
     }
-    let shortest = arguments.wavelength.iter().copied().fold(f64::INFINITY, f64::min);
-    prepare::warn_of_coarse_samples(&field, shortest);
     let cell = field.unit_cell()?;
-    let light = direction(arguments.light.theta, arguments.light.phi);
+    match &sweep {
+        Some(sweep) => run_sweep(arguments, sweep, &field, &cell, &reflectance),
+        None => run_single(arguments, &field, &cell, &reflectance),
+    }
+}
+
+/// Computes the orders at the wavelengths of `arguments` and writes them.
+fn run_single(
+    arguments: &Arguments,
+    field: &HeightField,
+    cell: &HeightField,
+    reflectance: &Reflectance,
+) -> Result<()> {
+    let shortest = arguments.wavelength.iter().copied().fold(f64::INFINITY, f64::min);
+    prepare::warn_of_coarse_samples(field, shortest);
+    let light = arguments.light.map_or(DVec3::Z, |light| direction(light.theta, light.phi));
     let mut table = write::Csv::new();
     table.row(["wavelength", "m", "n", "theta_r", "phi_r", "efficiency", "reflectance", "period"])?;
-    let relief = Relief::of(&field)?;
+    let relief = Relief::of(field)?;
     for &wavelength in &arguments.wavelength {
-        let orders = orders(&cell, &reflectance, light, wavelength)?;
+        let orders = orders(cell, reflectance, light, wavelength)?;
         let told = EfficiencySums::of(&orders, arguments.least);
-        let theory = ScalarTheory::new(relief, &reflectance, LightColour::Wavelength(wavelength));
-        told.tell(&cell, &format!("{:.1} nm", wavelength * NM_PER_UM), &theory);
+        let theory = ScalarTheory::new(relief, reflectance, LightColour::Wavelength(wavelength));
+        told.tell(cell, &format!("{:.1} nm", wavelength * NM_PER_UM), &theory);
         for order in orders.iter().filter(|order| is_written(order, arguments.least)) {
             table.row(cells(order, wavelength))?;
         }
     }
     write::text(arguments.output.as_deref(), &table.text()?)
+}
+
+/// Computes the orders over a sweep, and writes and draws them.
+fn run_sweep(
+    arguments: &Arguments,
+    sweep: &Sweep,
+    field: &HeightField,
+    cell: &HeightField,
+    reflectance: &Reflectance,
+) -> Result<()> {
+    let runs = sweep::of(arguments, sweep, field, cell, reflectance)?;
+    sweep::tell(sweep, &runs);
+    write::text(arguments.output.as_deref(), &sweep::table(&runs)?)?;
+    match &arguments.plot {
+        Some(path) => figure::figure(arguments, sweep, field, reflectance, &runs).save(path),
+        None => Ok(()),
+    }
+}
+
+impl Arguments {
+    /// Checks that the options leave open what `sweep` changes, and nothing else.
+    fn check_sweep(&self, sweep: &Sweep) -> Result<()> {
+        let refused = |what: &'static str, remedy: &'static str| Err(Error::usage(what, remedy));
+        match (sweep.quantity, self.wavelength.is_empty()) {
+            (SweptQuantity::Wavelength, false) => {
+                return refused(
+                    "a sweep of the wavelength has wavelengths already",
+                    "leave --wavelength away",
+                );
+            }
+            (SweptQuantity::Angle | SweptQuantity::Height, true) => {
+                return refused("the orders need a wavelength", "add --wavelength, as in --wavelength 550nm");
+            }
+            _ => {}
+        }
+        if self.light.is_none() && sweep.quantity != SweptQuantity::Angle {
+            return refused("the orders need a direction of light", "add --light, as in --light 30,0");
+        }
+        if self.surface_reflectance.polarisation.is_some() {
+            return refused(
+                "a sweep has light of both polarisations already",
+                "leave --polarisation away; its columns are te, tm and mean",
+            );
+        }
+        Ok(())
+    }
 }
 
 /// Returns the orders of `cell`, with a progress bar.

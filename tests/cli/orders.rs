@@ -285,3 +285,102 @@ fn a_patch_whose_edges_do_not_meet_is_told_and_lights_that_are_no_direction_are_
     let told = sandbox.run("orders blaze --light 0,0 --wavelength 550nm --least 1e-2".split(' '));
     assert!(told.stderr.contains("550.0 nm: ") && told.stderr.contains("are left out"), "{}", told.stderr);
 }
+
+/// The rows of a sweep: numbers by the names of the columns, NaN for an empty cell.
+fn swept(sandbox: &Sandbox, arguments: &[&str]) -> (Vec<BTreeMap<String, f64>>, String) {
+    let outcome = sandbox.run2(&["orders"], arguments);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let mut lines = outcome.stdout.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row = |line: &str| {
+        let cells =
+            line.split(',').map(|cell| if cell.is_empty() { f64::NAN } else { cell.parse().unwrap() });
+        names.iter().map(|name| (*name).to_owned()).zip(cells).collect()
+    };
+    (lines.map(row).collect(), outcome.stderr)
+}
+
+#[test]
+fn sweeps_are_the_orders_of_each_point_in_each_polarisation() {
+    let sandbox = Sandbox::new();
+    let surface = ["sinusoid", "--material", "aluminium"];
+    let all = |more: &[&str]| swept(&sandbox, &[&surface[..], more].concat()).0;
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-8 * a.abs().max(b.abs()) + 1e-15;
+    let single = |light: &str, wavelength: &str, polarisation: &str| {
+        let ask = ["--light", light, "--wavelength", wavelength, "--polarisation", polarisation];
+        rows(&sandbox.run2(&["orders"], &[&surface[..], &ask].concat()).stdout)
+    };
+    let by_wavelength = all(&["--light", "30,0", "--sweep", "wavelength", "450:650:100"]);
+    let by_angle = all(&["--wavelength", "550nm", "--sweep", "angle", "-30:30:30"]);
+    for (found, light, wavelength) in
+        [(&by_wavelength, "30,0", 650), (&by_angle, "30,0", 550), (&by_angle, "30,180", 550)]
+    {
+        let theta = if light == "30,180" { -30.0 } else { 30.0 };
+        let here =
+            |row: &&BTreeMap<String, f64>| row["wavelength"] == wavelength as f64 && row["theta_i"] == theta;
+        for (polarisation, column) in [("te", "te"), ("tm", "tm"), ("none", "mean")] {
+            let expected = single(light, &format!("{wavelength}nm"), polarisation);
+            let found: Vec<_> = found.iter().filter(here).collect();
+            assert!(found.len() >= 5 && found.len() == expected.len(), "{} {}", found.len(), expected.len());
+            for row in found {
+                let order = expected[&(wavelength, row["m"] as i64, row["n"] as i64)];
+                assert!(close(row[column], order.efficiency), "{column} {row:?} {order:?}");
+            }
+        }
+    }
+    // The factor of te and tm differ, and their mean is that of unpolarised light.
+    let grazing = &by_wavelength[0];
+    assert!((grazing["te"] / grazing["tm"] - 1.0).abs() > 1e-3, "{grazing:?}");
+}
+
+#[test]
+fn a_sweep_of_heights_follows_bessel_functions_and_names_its_error() {
+    let sandbox = Sandbox::new();
+    let more =
+        ["--light", "0,0", "--wavelength", "600nm", "--sweep", "height", "0:300:100", "--theory", "stam"];
+    // 16 samples a period: the highest and the lowest are among them.
+    let row: Vec<String> = (0..64).map(|i| format!("{:.12}", (TAU * f64::from(i) / 16.0).sin())).collect();
+    let header = "# Width: 8 um\n# Height: 500 nm\n# Value units: nm\n";
+    sandbox.write("wave.txt", header.to_owned() + &format!("{}\n", row.join(" ")).repeat(4));
+    let (found, said) = swept(&sandbox, &[&["wave.txt", "--plot", "s.svg"], &more[..]].concat());
+    assert!(said.contains("4 points; all orders together take"), "{said}");
+    let of = |height: f64, m: f64| {
+        found.iter().find(|row| row["height"] == height && row["m"] == m && row["n"] == 0.0)
+    };
+    assert!(of(0.0, 1.0).is_none() && of(0.0, 0.0).is_some(), "{found:?}");
+    let flat = of(0.0, 0.0).unwrap()["mean"];
+    for height in [100.0, 200.0, 300.0] {
+        // |c_0|² = J_0²(2 k a) of a sinusoid of amplitude a.
+        let phase = TAU / 600.0 * height;
+        let specular = of(height, 0.0).unwrap();
+        assert!((specular["mean"] / flat / bessel(0, phase).powi(2) - 1.0).abs() < 1e-6, "{specular:?}");
+        let (te, tm, mean) = (specular["te"], specular["tm"], specular["mean"]);
+        assert!((0.5 * (te + tm) / mean - 1.0).abs() < 1e-9, "{specular:?}");
+        let error = of(height, 1.0).unwrap()["error_mean"];
+        assert!(error > 0.0 && error < 0.2, "{error}");
+    }
+    let svg = String::from_utf8(sandbox.read("s.svg")).unwrap();
+    for words in ["Unpolarised, 600 nm", "TE, 600 nm", "TM, 600 nm", "order −1", "efficiency", "height [nm]"]
+    {
+        assert!(svg.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn a_sweep_takes_the_place_of_one_option_and_refuses_it() {
+    let sandbox = Sandbox::new();
+    for (arguments, reason) in [
+        (
+            &["--light", "30,0", "--wavelength", "550nm", "--sweep", "wavelength", "400:700:50"][..],
+            "leave --wavelength",
+        ),
+        (&["--light", "30,0", "--sweep", "angle", "0:60:5"], "add --wavelength"),
+        (&["--wavelength", "550nm", "--sweep", "height", "0:60:5"], "add --light"),
+        (&["--light", "30,0", "--sweep", "height", "0:60"], "three numbers"),
+        (&["--light", "30,0", "--sweep", "colour", "0:60:1"], "no sweep of"),
+        (&["--light", "30,0", "--wavelength", "550nm", "--plot", "a.svg"], "--sweep"),
+    ] {
+        let outcome = sandbox.run2(&["orders", "blaze"], arguments);
+        assert!(outcome.code == Some(2) && outcome.stderr.contains(reason), "{arguments:?}: {outcome:?}");
+    }
+}

@@ -176,9 +176,10 @@ fn a_period_that_varies_is_the_same_after_any_levelling_and_in_any_part() {
         let cells = (0..400).map(|i| format!("{:.5}", height(f64::from(i) * 0.1, f64::from(j) * 0.1)));
         cells.collect::<Vec<_>>().join(" ")
     });
-    sandbox.write("ridges.txt", rows.collect::<Vec<_>>().join("\n"));
+    let heights = rows.collect::<Vec<_>>().join("\n");
+    sandbox.write("ridges.txt", format!("# Width: 40 um\n# Height: 16 um\n# Value units: um\n{heights}\n"));
     let found = |steps: &[&str]| {
-        let read = ["surface", "info", "ridges.txt", "--pixel-size", "100nm", "--unit", "um", "--json"];
+        let read = ["surface", "info", "ridges.txt", "--json"];
         let json = sandbox.run2(&read, steps).done();
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
         let period = &json["statistics"]["periods"][0];

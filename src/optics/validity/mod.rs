@@ -15,7 +15,8 @@ use crate::surface::HeightField;
 use crate::surface::statistics::{ProfileShape, Relief};
 pub use bands::LightColour;
 use serde::Serialize;
-use table::{AngleErrors, MaterialClass};
+pub use table::AngleErrors;
+use table::MaterialClass;
 
 /// Errors of scalar theory for a surface, material and light.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -101,6 +102,26 @@ impl ScalarTheory {
             [only] => self.error_at(only),
             [first, .., last] => format!("{}, {}", self.error_at(first), self.error_at(last)),
         }
+    }
+
+    /// Returns the errors at this angle of incidence \[degrees\], 0 to 90, between those of the angles that were computed; `None` where they are
+    /// not known.
+    pub fn at_angle(&self, angle: f64) -> Option<AngleErrors> {
+        let after = self.errors.iter().position(|errors| errors.angle >= angle)?;
+        let b = self.errors[after];
+        if b.angle == angle {
+            return Some(b);
+        }
+        let a = *self.errors.get(after.checked_sub(1)?)?;
+        let share = (angle - a.angle) / (b.angle - a.angle);
+        // Errors grow by factors, as between the periods and heights of the table.
+        let between = |a: f64, b: f64| a * (b / a).powf(share);
+        Some(AngleErrors {
+            angle,
+            mean: between(a.mean, b.mean),
+            te: between(a.te, b.te),
+            tm: between(a.tm, b.tm),
+        })
     }
 
     /// Returns the error at an angle in a few words.

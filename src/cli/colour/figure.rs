@@ -1,0 +1,107 @@
+//! Colours by angle as a labelled figure: where they lie in CIELAB, how light they are, and their spectra.
+
+use super::{Arguments, Reading};
+use crate::cli::captions;
+use crate::figure::{Axis, AxisScale, Color, Figure, Mark, MarkShape, Panel, palette};
+use crate::surface::HeightField;
+use std::f64::consts::PI;
+
+/// Half the width of a chip of colour \[px\].
+const CHIP: f64 = 11.0;
+/// Least half width of the plane of a* and b*: smaller chroma is hardly seen.
+const LEAST_CHROMA: f64 = 10.0;
+/// Space around the outermost chips, as a factor.
+const MARGIN: f64 = 1.25;
+
+/// What is drawn.
+pub struct ColourFigure<'a> {
+    pub arguments: &'a Arguments,
+    pub field: &'a HeightField,
+    pub readings: &'a [Reading],
+    /// Wavelengths of the spectra \[µm\]; none without spectra.
+    pub wavelengths: &'a [f64],
+    /// BRDF \[sr⁻¹\] by wavelength and reading.
+    pub spectra: &'a [Vec<f64>],
+}
+
+impl ColourFigure<'_> {
+    /// Returns the figure.
+    pub fn draw(&self) -> Figure {
+        let mut panels = vec![self.chroma(), self.lightness()];
+        if !self.wavelengths.is_empty() {
+            panels.push(self.spectra());
+        }
+        Figure::new("").row(panels).panel_size(400.0, 400.0).caption(self.caption())
+    }
+
+    /// Returns the chips in the plane of a* and b*.
+    fn chroma(&self) -> Panel {
+        let largest = self.readings.iter().flat_map(|r| [r.lab[1].abs(), r.lab[2].abs()]);
+        let end = MARGIN * largest.fold(LEAST_CHROMA, f64::max);
+        let axis = |label: &str| Axis::linear(label, -end, end);
+        let panel = Panel::new(axis("a*, from green to red"), axis("b*, from blue to yellow"))
+            .titled("Hue and chroma");
+        self.with_chips(panel.to_scale(), |reading, _| [reading.lab[1], reading.lab[2]])
+    }
+
+    /// Returns the chips by lightness.
+    fn lightness(&self) -> Panel {
+        let is_aspecular = self.readings.iter().all(|reading| reading.aspecular.is_some());
+        let x = move |reading: &Reading, place: usize| {
+            if is_aspecular { reading.aspecular.unwrap_or_default() } else { place as f64 + 1.0 }
+        };
+        let label = if is_aspecular { "aspecular angle [°]" } else { "number of the direction" };
+        let places = self.readings.iter().enumerate().map(|(place, reading)| x(reading, place));
+        let most = self.readings.iter().map(|reading| reading.lab[0]).fold(100.0, f64::max);
+        let panel = Panel::new(Axis::fit(label, AxisScale::Linear, places), Axis::linear("L*", 0.0, most));
+        self.with_chips(panel.titled("Lightness"), |reading, place| [x(reading, place), reading.lab[0]])
+    }
+
+    /// Returns `panel` with a chip and a name for each reading, where `at` puts it.
+    fn with_chips(&self, panel: Panel, at: impl Fn(&Reading, usize) -> [f64; 2]) -> Panel {
+        self.readings.iter().enumerate().fold(panel, |panel, (place, reading)| {
+            let point = at(reading, place);
+            let disc = |color: Color, radius: f64| Mark::Points {
+                points: vec![point],
+                color,
+                shape: MarkShape::Disc,
+                radius,
+            };
+            // A rim sets a chip off from the paper.
+            panel
+                .mark(disc(palette::QUIET, CHIP + 1.0))
+                .mark(disc(Color(reading.display), CHIP))
+                .mark(Mark::note(point, format!("   {}", reading.name())))
+        })
+    }
+
+    /// Returns the radiance factors.
+    fn spectra(&self) -> Panel {
+        let nanometres: Vec<f64> = self.wavelengths.iter().map(|wavelength| 1e3 * wavelength).collect();
+        let all = self.spectra.iter().flatten().map(|f| PI * f);
+        let x = Axis::fit("wavelength [nm]", AxisScale::Linear, nanometres.iter().copied());
+        let y = Axis::fit("radiance factor", AxisScale::Linear, all.chain([0.0]));
+        let panel = Panel::new(x, y).titled("Spectra");
+        let colors = palette::SERIES.into_iter().cycle();
+        self.readings.iter().zip(colors).enumerate().fold(panel, |panel, (place, (reading, color))| {
+            let points = nanometres.iter().zip(self.spectra).map(|(nm, f)| [*nm, PI * f[place]]);
+            panel.named(reading.name(), Mark::line(points.collect(), color))
+        })
+    }
+
+    fn caption(&self) -> String {
+        let arguments = self.arguments;
+        let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
+        let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
+        let aperture = match arguments.aperture {
+            0.0 => String::new(),
+            degrees => format!(" through an aperture of {degrees}°"),
+        };
+        format!(
+            "{}, read{aperture}. CIELAB under the illuminant {}, CIE 1931 2° observer; chips as a display shows them. {}",
+            captions::surface(&name, self.field),
+            arguments.colour.illuminant.to_string_lossy(),
+            captions::sentence(&captions::optics(&arguments.optics))
+        )
+    }
+}
