@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Answer to which a tolerance applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Purpose {
-    /// Single directions, each relative to its value, at single wavelengths too (RMS over directions).
+    /// Single directions, each relative to its value, at single wavelengths too (RMS over directions); of a colour table, all of them together
+    /// (relative L2).
     #[default]
     Directions,
     /// The colours of a picture: relative L2 of linear RGB over the covered pixels, and RMS of the relative errors of single pixels.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::io;
 
 /// Cause of an error, the user or the program; decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,13 +15,17 @@ pub enum ErrorKind {
 
 /// Remedy: a change with which the request succeeds. Each setting has a variant, because every program has different names for it, its
 /// options or controls: see [`Error::in_words`]. `Display` names settings without any.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remedy {
     /// Anything but a setting: a whole phrase, as in `check the path`.
     Words(Cow<'static, str>),
     /// A larger accepted error.
     LargerTolerance,
+    /// An accepted error that is larger by at least this factor.
+    TimesTolerance(f64),
+    /// The least accepted error with which the request succeeds.
+    Tolerance(f64),
     /// A picture of fewer pixels.
     SmallerPicture,
     /// The mean over all coherence windows.
@@ -80,6 +85,8 @@ pub enum Remedy {
 impl fmt::Display for Remedy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::TimesTolerance(growth) => return write!(f, "ask for a tolerance {growth:.1} times as large"),
+            Self::Tolerance(tolerance) => return write!(f, "ask for a tolerance of {tolerance:e}"),
             Self::Words(words) => words,
             Self::LargerTolerance => "ask for a larger tolerance",
             Self::SmallerPicture => "ask for a smaller picture",
@@ -114,7 +121,7 @@ impl fmt::Display for Remedy {
 }
 
 /// Alternative remedies. Made from words, from one [`Remedy`] or from several.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Remedies(Vec<Remedy>);
 
 impl From<&'static str> for Remedies {
@@ -142,7 +149,7 @@ impl<const N: usize> From<[Remedy; N]> for Remedies {
 }
 
 /// Error with a remedy. Displays as one line: `what; remedy`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Error {
     kind: ErrorKind,
     what: String,
@@ -174,6 +181,18 @@ impl Error {
     #[must_use]
     pub fn or(mut self, remedy: impl Into<Remedies>) -> Self {
         self.remedies.append(&mut remedy.into().0);
+        self
+    }
+
+    /// Returns the same error with the tolerance `least` in place of a larger one; without it if there is none.
+    #[must_use]
+    pub fn with_tolerance(mut self, least: Option<f64>) -> Self {
+        let is_larger = |remedy: &Remedy| matches!(remedy, Remedy::LargerTolerance | Remedy::TimesTolerance(_));
+        if let Some(least) = least {
+            let replaced = |remedy| if is_larger(&remedy) { Remedy::Tolerance(least) } else { remedy };
+            self.remedies = self.remedies.into_iter().map(replaced).collect();
+        }
+        self.remedies.retain(|remedy| !is_larger(remedy));
         self
     }
 
@@ -213,6 +232,27 @@ impl fmt::Display for Error {
     }
 }
 
+/// Returns the cause of a failed access to a file or another thing of the system, in words: people know no numbers of errors.
+pub fn cause(error: &io::Error) -> String {
+    let words = match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file or folder",
+        io::ErrorKind::PermissionDenied => "the system denies access",
+        io::ErrorKind::IsADirectory => "it is a folder",
+        io::ErrorKind::NotADirectory => "a part of the path is no folder",
+        io::ErrorKind::StorageFull => "the disk is full",
+        io::ErrorKind::QuotaExceeded => "the quota of the disk is used up",
+        io::ErrorKind::ReadOnlyFilesystem => "the disk may only be read",
+        io::ErrorKind::FileTooLarge => "the file would be larger than the system allows",
+        io::ErrorKind::UnexpectedEof => "it ends too early",
+        io::ErrorKind::InvalidData => "its content is damaged",
+        io::ErrorKind::OutOfMemory => "there is too little memory",
+        // The text of the system, without its number.
+        _ => return error.to_string().split(" (os error").next().unwrap_or_default().to_lowercase(),
+    };
+    // An error without a number is not the system's and has a text that is more precise.
+    if error.raw_os_error().is_some() || error.get_ref().is_none() { words.to_owned() } else { error.to_string() }
+}
+
 /// Returns `text` as one plain line of readable length: file names and library messages may hold line breaks, control characters, or a
 /// megabyte of nines.
 fn line(text: &str) -> String {
@@ -231,6 +271,19 @@ impl std::error::Error for Error {}
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn causes_are_words_without_numbers() {
+        /// Numbers of ENOENT, EACCES, ENOSPC, EIO and EMFILE.
+        const NUMBERS: [i32; 5] = [2, 13, 28, 5, 24];
+        for number in NUMBERS {
+            let words = cause(&io::Error::from_raw_os_error(number));
+            assert!(!words.is_empty() && !words.contains("os error"), "{number}: {words}");
+        }
+        assert_eq!(cause(&io::Error::from_raw_os_error(2)), "there is no such file or folder");
+        let precise = io::Error::new(io::ErrorKind::InvalidData, "the block 7 is damaged");
+        assert_eq!(cause(&precise), "the block 7 is damaged");
+    }
 
     #[test]
     fn an_error_is_one_line_that_names_place_and_remedy() {

@@ -1,6 +1,6 @@
 //! Reading of untrusted files: only regular files of a sensible size.
 
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use exr::math::Vec2;
 use exr::meta::{BlockDescription, MetaData};
 use image::{DynamicImage, ImageFormat, ImageReader};
@@ -22,7 +22,7 @@ pub fn open(path: &Path, expected: &str, limit: u64) -> Result<File> {
         let reason = match e.kind() {
             std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
             std::io::ErrorKind::PermissionDenied => "it may not be read".to_owned(),
-            _ => format!("it cannot be read ({e})"),
+            _ => format!("it cannot be read: {}", error::cause(&e)),
         };
         Error::failed(reason, format!("give {expected}")).at(&place)
     };

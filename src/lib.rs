@@ -38,6 +38,7 @@ pub mod setup;
 pub mod spectra;
 pub mod surface;
 pub mod table;
+pub mod tolerance;
 pub mod units;
 #[cfg(feature = "viewer")]
 pub mod viewer;

@@ -26,6 +26,20 @@ fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
     }
 }
 
+/// Returns the number of threads, at least 1 and at most `wanted`, that leave most of the available memory to the work.
+pub fn affordable_threads(wanted: usize) -> usize {
+    /// Address space of a thread: its stack of 2 MiB, a stack for its signals, and what the C library sets aside \[bytes\].
+    const OF_A_THREAD: u64 = 4 << 20;
+    threads_within(available(), OF_A_THREAD, wanted)
+}
+
+fn threads_within(available: Option<u64>, of_a_thread: u64, wanted: usize) -> usize {
+    /// Part of the memory that threads may take, 1 over this.
+    const PART: u64 = 8;
+    let Some(room) = available else { return wanted };
+    usize::try_from(room / PART / of_a_thread).unwrap_or(wanted).clamp(1, wanted.max(1))
+}
+
 /// Returns true if this process may take less address space than the machine has.
 pub fn is_limited() -> bool {
     own_limits().is_some_and(|(limits, status)| own_available(&limits, &status).is_some())
@@ -113,6 +127,14 @@ pub(crate) fn in_words(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn threads_are_as_many_as_an_eighth_of_the_memory_holds() {
+        assert_eq!(threads_within(None, 4 << 20, 64), 64);
+        assert_eq!(threads_within(Some(64 << 30), 4 << 20, 64), 64);
+        assert_eq!(threads_within(Some(100 << 20), 4 << 20, 64), 3);
+        assert_eq!(threads_within(Some(0), 4 << 20, 64), 1);
+    }
 
     #[test]
     fn more_than_there_is_is_refused_and_less_is_not() {

@@ -1,6 +1,6 @@
 //! Result files that appear whole or not at all: written without a name or beside their target, then renamed.
 
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -147,7 +147,7 @@ fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
 
 /// Returns the error for a write to `path` that the system refused.
 pub fn write_failed(path: &Path, cause: &io::Error) -> Error {
-    Error::failed(format!("cannot write: {cause}"), "check the free space and the permissions")
+    Error::failed(format!("cannot write: {}", error::cause(cause)), "check the free space and the permissions")
         .at(path.display())
 }
 
@@ -198,7 +198,7 @@ fn cannot_create(cause: &io::Error, folder: &Path) -> Error {
             Error::failed(format!("{folder} is not a folder"), "choose another place for the output")
         }
         _ => Error::failed(
-            format!("cannot create a file in the folder {folder}: {cause}"),
+            format!("cannot create a file in the folder {folder}: {}", error::cause(cause)),
             "make it writable or choose another one",
         ),
     }

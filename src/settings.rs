@@ -88,6 +88,7 @@ impl Optics {
     /// Fails with a remedy.
     pub fn check(&self) -> Result<()> {
         let is_grating = self.coherence.sigma().is_none();
+        let least = Remedy::Tolerance(LEAST_TABLE_TOLERANCE);
         match (self.method, self.windows) {
             (_, Windows::All) if is_grating => Err(Error::usage(
                 "a finite grating stands at one place, and a mean over all windows is of Gaussian coherence",
@@ -107,8 +108,8 @@ impl Optics {
                     LEAST_TABLE_TOLERANCE
                 ),
                 match self.purpose {
-                    Purpose::Directions => [Remedy::LargerTolerance, Remedy::SpectralMethod],
-                    Purpose::Picture => [Remedy::LargerTolerance, Remedy::OneWindow],
+                    Purpose::Directions => [least, Remedy::SpectralMethod],
+                    Purpose::Picture => [least, Remedy::OneWindow],
                 },
             )),
             (_, Windows::All) if self.terms.is_some() => Err(Error::usage(

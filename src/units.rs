@@ -40,8 +40,23 @@ pub const MAX_COUNT: u32 = 10_000;
 /// # Errors
 /// No number, a missing or unknown unit, a number that is not finite and positive, a length outside 1 pm … 1 m.
 pub fn length(text: &str) -> Result<f64> {
+    let value = length_or_zero(text)?;
+    if value == 0.0 {
+        return Err(not_positive(text));
+    }
+    Ok(value)
+}
+
+/// Parses a length like [`length`] that may also be 0, in any form: `0um`, `0.0nm` \[µm\].
+///
+/// # Errors
+/// Those of [`length`], but for 0.
+pub fn length_or_zero(text: &str) -> Result<f64> {
     let value = with_unit(text, &LENGTHS, "12nm, 12um or 12mm")?;
-    if value <= 0.0 {
+    if value == 0.0 {
+        return Ok(0.0);
+    }
+    if value < 0.0 {
         return Err(not_positive(text));
     }
     if !(MEANT.0..=MEANT.1).contains(&value) {
@@ -217,6 +232,18 @@ mod tests {
             (".5um", 0.5),
         ] {
             assert!(close(length(text).unwrap(), expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_length_that_may_be_zero_is_so_in_any_form() {
+        for text in ["0um", "0.0um", "+0 nm", "-0mm", "0e3m", ".0um"] {
+            assert_eq!(length_or_zero(text).unwrap(), 0.0, "{text}");
+            assert!(length(text).is_err(), "{text}");
+        }
+        assert_eq!(length_or_zero("5um").unwrap(), 5.0);
+        for text in ["-1um", "0", "1e-9nm", "zero"] {
+            assert!(length_or_zero(text).is_err(), "{text}");
         }
     }
 

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 27] = [
+const FLOORS: [(&str, &[&str]); 28] = [
     ("error", &[]),
     ("filter", &[]),
     ("units", &["error"]),
@@ -23,6 +23,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
     ("optics", &["surface", "error", "fft_size", "input", "memory", "output", "random", "units"]),
     ("scene", &["optics", "surface", "error", "input", "memory", "output", "random", "units"]),
     ("budget", &["filter"]),
+    ("tolerance", &["error"]),
     (
         "spectra",
         &[
@@ -37,7 +38,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
         "export",
         &[
             "budget", "table", "brdf", "spectra", "scene", "filter", "cache", "optics", "surface", "error",
-            "input", "memory", "output", "random",
+            "input", "memory", "output", "random", "tolerance",
         ],
     ),
     (
@@ -52,7 +53,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
         "setup",
         &[
             "settings", "budget", "render", "vk", "table", "spectra", "brdf", "scene", "cache", "filter",
-            "optics", "surface", "error",
+            "optics", "surface", "error", "tolerance",
         ],
     ),
     (
@@ -113,6 +114,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
             "memory",
             "output",
             "random",
+            "tolerance",
             "units",
         ],
     ),

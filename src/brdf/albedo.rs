@@ -1,8 +1,10 @@
 //! Directional albedo of a surface from its orders, and the limit of energy that follows from it ([`crate::optics::energy`]).
 
+use crate::error::Result;
 use crate::optics::colour_excess::ColourWeights;
 use crate::optics::energy::{DirectionGrid, EnergyLimit};
 use crate::optics::geometry::Pair;
+use crate::optics::nufft::Progress;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
@@ -177,7 +179,31 @@ impl DirectionalAlbedo {
 
     /// Returns the table of E and R over directions and visible wavelengths, made on first use.
     pub fn table(&self) -> &ExcessTable {
-        self.table.get_or_init(|| ExcessTable::new(self.coarse.as_deref().unwrap_or(self)))
+        let coarse = self.coarse.as_deref().unwrap_or(self);
+        self.table.get_or_init(|| {
+            let layers = (0..ColourWeights::WAVENUMBERS).map(|number| ExcessTable::layer(coarse, number));
+            ExcessTable { layers: layers.collect() }
+        })
+    }
+
+    /// Makes the [`Self::table`] if there is none yet; `progress` is told the layers done and in total.
+    ///
+    /// # Errors
+    /// Fails with the error of `progress`.
+    pub fn make_table(&self, progress: Progress<'_>) -> Result<()> {
+        if self.table.get().is_some() {
+            return Ok(());
+        }
+        let coarse = self.coarse.as_deref().unwrap_or(self);
+        let mut layers = Vec::with_capacity(ColourWeights::WAVENUMBERS);
+        for layer in 0..ColourWeights::WAVENUMBERS {
+            progress(layer, ColourWeights::WAVENUMBERS)?;
+            layers.push(ExcessTable::layer(coarse, layer));
+        }
+        progress(layers.len(), layers.len())?;
+        // Another thread may have made the same table in the meantime.
+        self.table.get_or_init(|| ExcessTable { layers });
+        Ok(())
     }
 
     /// Returns E/R for light from `direction` at `wavelength` \[µm\].
@@ -216,19 +242,17 @@ pub struct ExcessTable {
 }
 
 impl ExcessTable {
-    fn new(albedo: &DirectionalAlbedo) -> Self {
-        let layer = |number: usize| {
-            let wavelength = ColourWeights::wavelength(number);
-            let point = |point: usize| {
-                if !DirectionGrid::is_read(point) {
-                    return [0.0, 1.0];
-                }
-                let direction = DirectionGrid::direction(point);
-                [albedo.at(direction, wavelength), albedo.allowed(direction, wavelength)]
-            };
-            (0..DirectionGrid::COUNT).into_par_iter().map(point).collect()
+    /// Returns E and the allowed reflectance of `albedo` at every point for wavenumber `number`.
+    fn layer(albedo: &DirectionalAlbedo, number: usize) -> Vec<[f64; 2]> {
+        let wavelength = ColourWeights::wavelength(number);
+        let point = |point: usize| {
+            if !DirectionGrid::is_read(point) {
+                return [0.0, 1.0];
+            }
+            let direction = DirectionGrid::direction(point);
+            [albedo.at(direction, wavelength), albedo.allowed(direction, wavelength)]
         };
-        Self { layers: (0..ColourWeights::WAVENUMBERS).map(layer).collect() }
+        (0..DirectionGrid::COUNT).into_par_iter().map(point).collect()
     }
 
     /// Returns E and the allowed reflectance of a layer at a point.

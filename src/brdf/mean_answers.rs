@@ -3,7 +3,7 @@
 use super::albedo::Decimation;
 use super::mean::MeanBrdf;
 use super::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
-use super::{Brdf, without_cosine};
+use super::{Brdf, Progress, without_cosine};
 use crate::error::{Remedy, Result};
 use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
@@ -22,6 +22,7 @@ pub struct MeanFromOrders<'a> {
     footprint: Covariance,
     // Series for wavelengths from SHORTEST/2ⁿ, with n, made on first use.
     tables: Vec<(u32, TabulatedMean<'a>)>,
+    progress: &'a Progress<'a>,
 }
 
 impl<'a> MeanFromOrders<'a> {
@@ -33,20 +34,27 @@ impl<'a> MeanFromOrders<'a> {
             sampling: ColourSampling::within(tolerance),
             footprint: Covariance::default(),
             tables: Vec::new(),
+            progress: &|_, _, _| Ok(()),
         }
+    }
+
+    /// Returns the same mean, which tells `progress` about the series that it makes.
+    pub fn telling(self, progress: &'a Progress<'a>) -> Self {
+        Self { progress, ..self }
     }
 
     /// Returns the series for `wavelength` \[µm\]: for all visible light, or for shorter wavelengths by octaves.
     fn table(&mut self, wavelength: f64) -> Result<&TabulatedMean<'a>> {
+        let progress = self.progress;
         let octave = (SHORTEST / wavelength).log2().ceil().max(0.0) as u32;
         let known = self.tables.iter().position(|(known, _)| *known == octave);
         let place = match known {
             Some(place) => place,
             None => {
                 let shortest = SHORTEST * 0.5f64.powi(octave as i32);
-                let table =
-                    TabulatedMean::with_sampling(self.mean.clone(), shortest, self.sampling, &|_, _| Ok(()))?
-                        .limited(Decimation::Coarse);
+                let told = |done, of| progress("orders", done, of);
+                let table = TabulatedMean::with_sampling(self.mean.clone(), shortest, self.sampling, &told)?
+                    .limited(Decimation::Coarse);
                 self.tables.push((octave, table));
                 self.tables.len() - 1
             }
@@ -62,8 +70,8 @@ impl Brdf for MeanFromOrders<'_> {
     }
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
-        let (illuminant, footprint) = (self.illuminant, self.footprint);
-        xyz(self.table(SHORTEST)?, pairs, illuminant, &footprint)
+        let (illuminant, footprint, progress) = (self.illuminant, self.footprint, self.progress);
+        xyz(self.table(SHORTEST)?, pairs, illuminant, &footprint, progress)
     }
 
     fn average_over(&mut self, deviation: f64) -> bool {
@@ -104,7 +112,9 @@ fn xyz(
     pairs: &[Pair],
     illuminant: &Illuminant,
     footprint: &Covariance,
+    progress: &Progress<'_>,
 ) -> Result<Vec<DVec3>> {
+    table.prepare_colours(&|done, of| progress("energy", done, of))?;
     let asked: Vec<_> = pairs.iter().map(|pair| (*pair, *footprint)).collect();
     let weighted = table.xyz(illuminant, &asked, SummedOrders::All, &|_, _| Ok(()))?;
     Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
@@ -120,6 +130,7 @@ pub struct MeanReference<'a> {
     answered: usize,
     table: Option<TabulatedMean<'a>>,
     too_large: bool,
+    progress: &'a Progress<'a>,
 }
 
 /// Number of direct sums that take as long as the table of all orders.
@@ -136,15 +147,23 @@ impl<'a> MeanReference<'a> {
             answered: 0,
             table: None,
             too_large: false,
+            progress: &|_, _, _| Ok(()),
         }
+    }
+
+    /// Returns the same reference, which tells `progress` about the series that it makes.
+    pub fn telling(self, progress: &'a Progress<'a>) -> Self {
+        Self { progress, ..self }
     }
 
     /// Returns the series of all orders, made on first use.
     fn table(&mut self) -> Result<&TabulatedMean<'a>> {
         let table = match self.table.take() {
             Some(table) => table,
-            None => TabulatedMean::new(self.mean.clone(), self.shortest, &|_, _| Ok(()))?
-                .limited(Decimation::Fine),
+            None => {
+                let told = |done, of| (self.progress)("orders", done, of);
+                TabulatedMean::new(self.mean.clone(), self.shortest, &told)?.limited(Decimation::Fine)
+            }
         };
         Ok(self.table.insert(table))
     }
@@ -171,8 +190,8 @@ impl Brdf for MeanReference<'_> {
     }
 
     fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
-        let (illuminant, footprint) = (self.illuminant, self.footprint);
-        xyz(self.table()?, pairs, illuminant, &footprint)
+        let (illuminant, footprint, progress) = (self.illuminant, self.footprint, self.progress);
+        xyz(self.table()?, pairs, illuminant, &footprint, progress)
     }
 
     fn average_over(&mut self, deviation: f64) -> bool {

@@ -18,6 +18,10 @@ use crate::error::Result;
 use crate::optics::geometry::Pair;
 use glam::DVec3;
 
+/// Callback with the name of the computation, steps done and steps in total, as far as known; an error it returns
+/// cancels the work.
+pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
+
 /// Evaluation of the BRDF f of a surface.
 pub trait Brdf {
     /// Returns f \[sr⁻¹\] of every pair of directions at `wavelength` \[µm\], in order; 0 below the horizon.

@@ -146,6 +146,14 @@ impl<'a> TabulatedMean<'a> {
         Ok(Some(Arc::new(Self::new(mean, shortest, progress)?.albedo(Decimation::Fine))))
     }
 
+    /// Makes the limit of energy of colours, if there is one: [`Self::xyz`] would make it without progress.
+    ///
+    /// # Errors
+    /// Fails with the error of `progress`.
+    pub fn prepare_colours(&self, progress: Progress<'_>) -> Result<()> {
+        self.limit.as_ref().map_or(Ok(()), |limit| limit.make_table(progress))
+    }
+
     /// Returns the directional albedo of the orders.
     pub fn albedo(&self, decimation: Decimation) -> DirectionalAlbedo {
         DirectionalAlbedo::new(&self.series, &self.mean.reflectance, decimation)

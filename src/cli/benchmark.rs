@@ -3,6 +3,7 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
 };
+use super::progress::Progress;
 use super::{prepare, say};
 use crate::brdf::tabulated::ColourSampling;
 use crate::error::{Error, Result};
@@ -333,12 +334,8 @@ impl BenchmarkScene {
 
     /// Computes the f64 reference of `pixels`, linear sRGB; black for uncovered pixels.
     fn reference(&self, optics: &Optics, directions: &[Directions], pixels: &[usize]) -> Result<Vec<DVec3>> {
-        let bar = prepare::progress_bar("reference");
-        let progress = |done: usize, of: usize| {
-            bar.set_length(of as u64);
-            bar.set_position(done as u64);
-            Ok(())
-        };
+        let bar = Progress::new("reference", "a smaller number of compared pixels");
+        let progress = |done, of| bar.show("reference", done, of);
         let is_covered = |pixel: &&usize| directions.iter().any(|seen| seen.view[**pixel][3] != 0.0);
         let seen: Vec<usize> = pixels.iter().filter(is_covered).copied().collect();
         /// Error of the reference relative to the smallest tolerance of a sweep.
@@ -346,7 +343,6 @@ impl BenchmarkScene {
         let sampling = ColourSampling::within(PART * optics.tolerance.min(1e-2));
         let colors = PixelReference::with_sampling(&self.field, optics, sampling, &progress)
             .and_then(|reference| reference.colors(&self.view, 0, directions, &seen, &progress));
-        bar.finish_and_clear();
         let colors: BTreeMap<usize, DVec3> = seen.into_iter().zip(colors?).collect();
         Ok(pixels.iter().map(|pixel| colors.get(pixel).copied().unwrap_or(DVec3::ZERO)).collect())
     }

@@ -4,6 +4,7 @@ mod figure;
 mod geometry;
 
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::progress::Progress;
 use super::{evaluation, prepare, write};
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
@@ -189,14 +190,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut spectra = vec![vec![0.0; cones.len()]; wavelengths.len()];
     prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
         let count: usize = cones.iter().map(|cone| cone.pairs.len()).sum();
-        let bar = evaluation::bar(count * (1 + wavelengths.len()));
+        let bar = Progress::new("directions", "a smaller number of readings").over(count * (1 + wavelengths.len()));
         for (place, cone) in cones.iter().enumerate() {
             colours[place] += cone.mean(brdf, None, &bar)? * share;
             for (spectrum, wavelength) in spectra.iter_mut().zip(&wavelengths) {
                 spectrum[place] += cone.mean(brdf, Some(*wavelength), &bar)?.x * share;
             }
         }
-        bar.finish_and_clear();
         Ok(())
     })?;
     let white = illuminant.white();
@@ -303,7 +303,7 @@ impl Cone {
         &self,
         brdf: &mut dyn Brdf,
         wavelength: Option<f64>,
-        bar: &indicatif::ProgressBar,
+        bar: &Progress,
     ) -> Result<DVec3> {
         brdf.average_over(self.deviation);
         let found = evaluation::ask(brdf, &self.pairs, wavelength, bar)?;

@@ -2,6 +2,7 @@
 
 use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::progress::Progress;
 use super::say;
 use super::{prepare, write};
 use crate::error::{Error, Result};
@@ -86,13 +87,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let groups = table.by_wavelength();
     prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
-        let bar = evaluation::bar(table.queries.len());
+        let bar = Progress::new("directions", "a file of fewer queries").over(table.queries.len());
         for (wavelength, places) in &groups {
             let pairs: Vec<Pair> = places.iter().map(|&place| table.queries[place].pair).collect();
             let found = evaluation::ask(brdf, &pairs, *wavelength, &bar)?;
             places.iter().zip(found).for_each(|(&place, f)| values[place] += f * share);
         }
-        bar.finish_and_clear();
         Ok(())
     })?;
     write::text(arguments.output.as_deref(), &table.answered(&values)?)

@@ -1,26 +1,24 @@
-//! Evaluation in `eval`, `brdf` and `peaks`: limits of the input, and the progress bar.
+//! Evaluation in `eval`, `brdf`, `colour` and `peaks`: limits of the input, and batches of directions.
 
 use super::options::{ColourOptions, DEFAULT_ILLUMINANT};
-use super::prepare;
+use super::progress::Progress;
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
 use crate::settings::Method;
 use crate::units;
 use glam::DVec3;
-use indicatif::ProgressBar;
+use std::time::{Duration, Instant};
 
 /// Range of wavelengths \[µm\]: from hard ultraviolet to far infrared.
 pub const WAVELENGTHS: (f64, f64) = (0.01, 100.0);
 /// Pairs of directions that are evaluated together: memory stays at a few megabytes.
 pub const AT_ONCE: usize = 16_384;
 
-/// Returns a progress bar over `count` directions.
-pub fn bar(count: usize) -> ProgressBar {
-    let bar = prepare::progress_bar("directions");
-    bar.set_length(count as u64);
-    bar
-}
+/// Size of the first batch. It includes preparations, such as the series of the orders.
+const FIRST_BATCH: usize = 16;
+/// Time that a batch takes about, so that progress moves.
+const OF_A_BATCH: Duration = Duration::from_secs(1);
 
 /// Evaluates f \[sr⁻¹\] of all `pairs`, in order: three times the value at `wavelength` \[µm\], or the XYZ of the colour.
 ///
@@ -30,15 +28,21 @@ pub fn ask(
     brdf: &mut dyn Brdf,
     pairs: &[Pair],
     wavelength: Option<f64>,
-    bar: &ProgressBar,
+    progress: &Progress,
 ) -> Result<Vec<DVec3>> {
     let mut all = Vec::with_capacity(pairs.len());
-    for part in pairs.chunks(brdf.batch()) {
+    let mut size = FIRST_BATCH;
+    while all.len() < pairs.len() {
+        let left = &pairs[all.len()..];
+        let part = &left[..size.min(brdf.batch()).min(left.len())];
+        let begun = Instant::now();
         match wavelength {
             Some(wavelength) => all.extend(brdf.spectral(part, wavelength)?.into_iter().map(DVec3::splat)),
             None => all.extend(brdf.xyz(part)?),
         }
-        bar.inc(part.len() as u64);
+        progress.add(part.len());
+        let batches_in_time = OF_A_BATCH.as_secs_f64() / begun.elapsed().as_secs_f64();
+        size = ((part.len() as f64 * batches_in_time) as usize).clamp(FIRST_BATCH, AT_ONCE);
     }
     Ok(all)
 }

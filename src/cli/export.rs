@@ -5,13 +5,14 @@ mod page;
 use self::page::PageSubject;
 use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
+use super::progress::Progress;
 use super::{captions, prepare, write};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
 use crate::export::page::MOST_PAGE_TEXELS;
 use crate::export::page_mesh::PageMesh;
 use crate::export::{
-    ExportReader, ExportSettings, ExportedMaterial, LARGEST_FOOTPRINT, MaterialDescription, PortErrors,
+    ExportReader, ExportSettings, ExportedMaterial, LARGEST_FOOTPRINT, MaterialDescription, MeasuredErrors, PortErrors,
     check_target, write as write_export,
 };
 use crate::files::Files;
@@ -53,7 +54,7 @@ pub struct Arguments {
     html: Option<PathBuf>,
     /// Mesh that the page shows beside its sphere, disc and plate: a built-in scene (snake, plate, sphere, disc, cd, skin), a mesh (.obj), or a
     /// scene file (.toml), whose first object it is. It takes at most 5 of the 6.7 MB: about 300000 triangles
-    #[arg(long, value_name = "SCENE", requires = "html")]
+    #[arg(long, value_name = "SCENE", requires = "html", hide_short_help = true)]
     mesh: Option<OsString>,
     /// Smallest footprint that the table serves, as a standard deviation of (u, v); 0 for single directions. Larger footprints take a smaller table
     #[arg(long, value_name = "SIGMA", value_parser = footprint, allow_hyphen_values = true, default_value = "0.02")]
@@ -65,7 +66,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "html", "surface_name"])]
     check: Option<PathBuf>,
     /// Compare these answers of a port with the table
-    #[arg(long, value_name = "FILE", requires = "check", conflicts_with = "output")]
+    #[arg(long, value_name = "FILE", requires = "check", conflicts_with = "output", hide_short_help = true)]
     answers: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceOptions,
@@ -105,10 +106,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let optics = Optics { method: Method::Table, ..optics }.checked()?;
     let settings = ExportSettings { most_bytes, ..export_settings(&optics, arguments.footprint)? };
     prepare::warn_of_coarse_samples(&field, SHORTEST);
-    let bar = prepare::progress_bar("orders");
-    let material =
-        ExportedMaterial::new(&field, &settings, &|what, done, of| prepare::show(&bar, what, done, of))?;
-    bar.finish_and_clear();
+    let bar = Progress::new("orders", "a part of the surface (--crop), or a larger --tolerance,");
+    let material = ExportedMaterial::new(&field, &settings, &|what, done, of| bar.show(what, done, of))?;
+    drop(bar);
     let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command());
     if let Some(folder) = &arguments.output {
         write_export(folder, &material, &mut description)?;
@@ -164,15 +164,31 @@ fn most_texels(arguments: &Arguments, mesh: usize) -> Result<Option<u64>> {
 fn summary(description: &MaterialDescription) -> String {
     const MB: f64 = 1e6;
     let MaterialDescription { table_bytes, smallest_footprint, errors, .. } = description;
+    let MeasuredErrors { directions, relative_l2, own_rms, own_p99 } = *errors;
     format!(
-        "{:.2} MB of texels for footprints from {smallest_footprint:.3} on; against the exact mean of {} directions: {:.1e} relative L2, {:.1e} RMS of each direction's own colour, \
-         99 % within {:.1e}\n",
+        "{:.2} MB of texels for footprints from {smallest_footprint:.3} on; against the exact mean of {directions} directions: {}\n",
         *table_bytes as f64 / MB,
-        errors.directions,
-        errors.relative_l2,
-        errors.own_rms,
-        errors.own_p99
+        in_words(&PortErrors { relative_l2, own_rms, own_p99 })
     )
+}
+
+/// Returns what each error is a part of, in words.
+fn in_words(errors: &PortErrors) -> String {
+    let PortErrors { relative_l2, own_rms, own_p99 } = *errors;
+    format!(
+        "colours err by {} of the RMS colour (relative L2); each direction by {} of its colour (RMS), 99 of 100 by at most {}, most where it is dark",
+        percent(relative_l2),
+        percent(own_rms),
+        percent(own_p99)
+    )
+}
+
+/// Returns a share in percent, to two digits below 100 %.
+fn percent(share: f64) -> String {
+    const DIGITS: f64 = 2.0;
+    let percent = 100.0 * share;
+    let decimals = (DIGITS - 1.0 - percent.max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{percent:.decimals$} %")
 }
 
 /// Checks the export in `folder`, and a file of answers.
@@ -190,16 +206,14 @@ fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
         .answers(&text)
         .map(|answers| conformance.errors_of(&answers))
         .map_err(|e| e.at(path.display()))?;
-    let PortErrors { relative_l2, own_rms, own_p99 } = errors;
-    let found = format!(
-        "{relative_l2:.1e} relative L2, {own_rms:.1e} RMS of each direction's own colour, 99 % within {own_p99:.1e}"
-    );
+    let found = in_words(&errors);
     if errors.within(&PortErrors::RIGHT) {
-        return write::stdout(&format!("right: {found} of the table\n"));
+        return write::stdout(&format!("right: against the table, {found}\n"));
     }
     let PortErrors { relative_l2, own_rms, own_p99 } = PortErrors::RIGHT;
+    let [all, each, most] = [relative_l2, own_rms, own_p99].map(percent);
     Err(Error::failed(
-        format!("the answers are not those of the table: {found}, where {relative_l2:.0e}, {own_rms:.0e} and {own_p99:.0e} are allowed"),
+        format!("the answers are not those of the table: {found}; {all}, {each} and {most} are allowed"),
         "compare them with the columns table_r, table_g and table_b of conformance.csv row by row",
     )
     .at(path.display()))

@@ -1,7 +1,7 @@
 //! Pictures of a sequence that an earlier run finished: each file has notes of its settings and a hash of its contents.
 
 use crate::cache::{EntryFormat, Key};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::input::PictureFile;
 use crate::memory;
 use crate::picture_file::{self, Notes, PictureFormat};
@@ -137,7 +137,7 @@ fn decoded(path: &Path) -> Result<([u32; 2], Vec<u8>)> {
         role: "a picture",
         side: u32::MAX,
     };
-    let unreadable = |e: std::io::Error| Error::failed(e.to_string(), "check the file").at(path.display());
+    let unreadable = |e: std::io::Error| Error::failed(error::cause(&e), "check the file").at(path.display());
     let bytes = std::fs::read(path).map_err(unreadable)?;
     // The decoder does not look for the end of a PNG.
     const END_OF_PNG: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";

@@ -5,6 +5,7 @@ mod benchmark;
 mod brdf;
 mod cache;
 mod captions;
+mod closed_stdout;
 mod colour;
 mod devices;
 mod eval;
@@ -20,13 +21,16 @@ mod orders;
 mod peaks;
 mod prepare;
 mod profile;
+mod progress;
 mod range;
 mod remedies;
 mod render;
 mod scale;
 mod scene_options;
 mod sequence;
+mod short_help;
 mod surface;
+mod threads;
 mod trade;
 pub mod untrusted;
 mod usage;
@@ -146,7 +150,7 @@ fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T>
 
 fn run(arguments: Arguments) -> Result<()> {
     arguments.verbosity.apply();
-    start_threads();
+    threads::start();
     match arguments.command {
         #[cfg(feature = "viewer")]
         Command::View(arguments) => view::run(&arguments),
@@ -165,14 +169,6 @@ fn run(arguments: Arguments) -> Result<()> {
         Command::Help(arguments) => manual::help(&arguments),
         Command::Completions(arguments) => manual::completions(&arguments),
         Command::Manual(arguments) => manual::manual(&arguments),
-    }
-}
-
-/// Starts the thread pool for sums and transforms. If the system gives no threads, the calling thread does everything.
-fn start_threads() {
-    // A failed build of the global pool is final, so a local pool is tried first.
-    if rayon::ThreadPoolBuilder::new().build().is_err() {
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     }
 }
 

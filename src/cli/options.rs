@@ -24,6 +24,7 @@ use crate::settings::{Method, Optics};
 use crate::setup;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::HeightField;
+use crate::tolerance::TOLERANCES;
 use crate::units;
 use crate::vk::selection::DeviceChoice;
 use clap::builder::PossibleValue;
@@ -31,8 +32,6 @@ use clap::{Args, ValueEnum};
 use std::ffi::{OsStr, OsString};
 use std::sync::Once;
 
-/// Range of tolerances: below the first, rounding of 32-bit floats dominates everywhere.
-const TOLERANCES: (f64, f64) = (1e-6, 1.0);
 /// Largest number of terms.
 const MAX_TERMS: usize = 128;
 /// Smallest and largest number of wavelengths.
@@ -75,24 +74,25 @@ pub struct OpticsOptions {
     pub method: Option<Method>,
     /// Expansion of one window's spectra (--windows 1x1): taylor (the thesis') or optimal (fewest terms) [default: optimal for pictures;
     /// else taylor if 32-bit floats hold it]
-    #[arg(long, value_name = "BASIS", value_parser = basis)]
+    #[arg(long, value_name = "BASIS", value_parser = basis, hide_short_help = true)]
     pub basis: Option<Basis>,
-    /// Relative error that you accept; all other accuracy settings follow from it unless named [default: 1e-2]
+    /// Relative error that you accept, as in 1e-2 or 1%: of pictures and by a table that of all colours together (relative L2), of other numbers that of each
+    /// direction (RMS). All other accuracy settings follow from it unless named [default: 1e-2]
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Terms of the expansion (--windows 1x1), instead of the number that the tolerance needs
-    #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true, hide_short_help = true)]
     pub terms: Option<usize>,
     /// Coherence of the light: gaussian:LENGTH, or grating:NxM for a finite grating of that many copies of the patch (also repeats:NxM)
     #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
     pub coherence: Coherence,
     /// Positions of the coherence window to average over: all (as a pixel does), 1x1 (the thesis' single window, which shows speckle) or
     /// NxM of them [default: all; 1x1 for a finite grating]
-    #[arg(long, value_name = "all|NxM", value_parser = windows, allow_hyphen_values = true)]
+    #[arg(long, value_name = "all|NxM", value_parser = windows, allow_hyphen_values = true, hide_short_help = true)]
     pub windows: Option<Windows>,
     /// Continuation of the surface beyond the patch (--windows all): copies (a periodic surface, whose orders show) or alike (a surface
     /// with the same statistics) [default: copies if the edges of the field meet, else alike]
-    #[arg(long, value_name = "copies|alike", value_parser = beyond)]
+    #[arg(long, value_name = "copies|alike", value_parser = beyond, hide_short_help = true)]
     pub beyond: Option<Beyond>,
     #[command(flatten)]
     pub surface_reflectance: ReflectanceOptions,
@@ -219,7 +219,7 @@ impl OpticsOptions {
 #[command(next_help_heading = "Optics")]
 pub struct ColourOptions {
     /// Wavelengths of a colour, instead of the number that the tolerance needs
-    #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = wavelengths, allow_hyphen_values = true, hide_short_help = true)]
     pub wavelengths: Option<usize>,
     /// Spectrum of the light: d65, d50, a, e, led, or a CSV file of wavelength in nm and power
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_ILLUMINANT)]
@@ -273,7 +273,7 @@ impl DeviceOptions {
 #[command(next_help_heading = "Cache")]
 pub struct CacheOptions {
     /// Largest size of the cache on disk, as in 500MiB; 0 turns it off (see `diffract cache`)
-    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB")]
+    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB", hide_short_help = true)]
     pub cache_size: u64,
 }
 
@@ -325,16 +325,19 @@ fn basis(text: &str) -> Result<Basis> {
     named.ok_or_else(|| Error::usage(format!("there is no basis `{text}`"), "give taylor or optimal"))
 }
 
-/// Parses a relative error, as in `1e-2` or `1%`.
-pub fn tolerance(text: &str) -> Result<f64> {
+/// Parses a share within `range`, ends included, as in `1e-2` or `1%`; errors call it `what`.
+pub fn share(text: &str, (least, most): (f64, f64), what: &str) -> Result<f64> {
     const PERCENT: f64 = 100.0;
     match text.trim().strip_suffix('%') {
-        Some(number) => {
-            let (least, most) = TOLERANCES;
-            real(number, (PERCENT * least, PERCENT * most), "tolerance in percent").map(|x| x / PERCENT)
-        }
-        None => real(text, TOLERANCES, "tolerance"),
+        Some(number) => real(number, (PERCENT * least, PERCENT * most), &format!("{what} in percent"))
+            .map(|percent| percent / PERCENT),
+        None => real(text, (least, most), what),
     }
+}
+
+/// Parses a relative error, as in `1e-2` or `1%`.
+pub fn tolerance(text: &str) -> Result<f64> {
+    share(text, TOLERANCES, "tolerance")
 }
 
 fn terms(text: &str) -> Result<usize> {

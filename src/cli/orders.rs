@@ -4,8 +4,9 @@ mod figure;
 mod sweep;
 
 use super::evaluation;
-use super::options::{ReflectanceOptions, SurfaceOptions, real};
+use super::options::{ReflectanceOptions, SurfaceOptions, share};
 use super::prepare;
+use super::progress::Progress;
 use super::{say, write};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
@@ -97,7 +98,7 @@ fn light(text: &str) -> Result<FarLight> {
 }
 
 fn least(text: &str) -> Result<f64> {
-    real(text, (0.0, 1.0), "share of the light")
+    share(text, (0.0, 1.0), "share of the light")
 }
 
 /// Computes the orders and writes them.
@@ -208,11 +209,9 @@ fn orders(
     light: DVec3,
     wavelength: f64,
 ) -> Result<Vec<DiffractionOrder>> {
-    let bar = prepare::progress_bar("orders");
-    let progress = |done, of| prepare::show(&bar, "orders", done, of);
-    let orders = MeanBrdf::in_sunlight(cell, reflectance.clone()).orders(light, wavelength, &progress)?;
-    bar.finish_and_clear();
-    Ok(orders)
+    let bar = Progress::new("orders", "a part of the surface (--crop)");
+    let progress = |done, of| bar.show("orders", done, of);
+    MeanBrdf::in_sunlight(cell, reflectance.clone()).orders(light, wavelength, &progress)
 }
 
 /// Returns true for an order with light, of at least the share `least`.

@@ -1,8 +1,8 @@
 //! Preparation of commands that shade: a device, and a source, from the cache or made with a progress bar.
 
 use super::remedies::in_options;
+use super::progress::Progress;
 use super::verbosity::detail;
-use super::verbosity::quiet;
 use super::{check_validation, say, validation};
 use crate::brdf::Brdf;
 use crate::brdf::energy_map::EnergyMapHeader;
@@ -15,11 +15,13 @@ use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::selection::DeviceChoice;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::cell::OnceCell;
 use std::ffi::OsStr;
 use std::sync::{Arc, Once};
 use std::time::Instant;
+
+/// Words for what makes the preparation of a surface shorter.
+const LESS_WORK: &str = "a part of the surface (--crop), or a larger --tolerance,";
 
 /// Opens the device that `wish` names, with the pipelines that the cache keeps for it.
 pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
@@ -41,10 +43,8 @@ pub fn check(device: &Device) -> Result<()> {
 
 /// Opens the scene called `name`, with a progress bar while the mesh file is read.
 pub fn scene(name: &OsStr) -> Result<Scene> {
-    let bar = progress_bar("mesh");
-    let scene = Scene::open_telling(name, &|what, done, of| show(&bar, what, done, of));
-    bar.finish_and_clear();
-    scene
+    let bar = Progress::new("mesh", "a mesh of fewer triangles");
+    Scene::open_telling(name, &|what, done, of| bar.show(what, done, of))
 }
 
 /// Returns the source of `field` under `settings` on `device`: one of `in_use`, from the cache, or made with a progress bar.
@@ -62,10 +62,10 @@ pub fn source(
     }
     warn_of_coarse_samples(field, settings.shortest);
     let start = Instant::now();
-    let bar = progress_bar("spectra");
-    let progress = |what, done, of| show(&bar, what, done, of);
+    let bar = Progress::new("spectra", LESS_WORK);
+    let progress = |what, done, of| bar.show(what, done, of);
     let made = setup::source(field, settings, device.candidate(), in_use, &progress)?;
-    bar.finish_and_clear();
+    drop(bar);
     let (extent, summary) = (made.source.extent(), made.source.summary(&settings.optics));
     const MIB: f64 = 1024.0 * 1024.0;
     detail(&format_args!(
@@ -95,16 +95,24 @@ pub fn for_each_window(
     field: &HeightField,
     settings: &SourceSettings,
     wish: &DeviceChoice,
-    ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
+    mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     warn_of_coarse_samples(field, settings.shortest);
-    let bar = progress_bar("spectra");
+    let bar = Progress::new("spectra", LESS_WORK);
     let progress = |what, done, of: usize| {
-        let shown = show(&bar, what, done, of);
+        bar.show(what, done, of)?;
         if done >= of {
-            bar.finish_and_clear();
+            bar.clear();
         }
-        shown
+        Ok(())
+    };
+    let [n, m] = settings.optics.windows.grid().unwrap_or([1, 1]);
+    let windows = Progress::without_bar("windows", "a smaller number of --windows", (n * m) as usize);
+    windows.add(0);
+    let ask_and_count = |brdf: &mut dyn Brdf, share: f64| {
+        ask(brdf, share)?;
+        windows.add(1);
+        Ok(())
     };
     let opened = OnceCell::new();
     let open = || {
@@ -115,17 +123,8 @@ pub fn for_each_window(
     if *wish != DeviceChoice::default() {
         open()?;
     }
-    setup::for_each_window(field, settings, &open, &progress, &|note| say(&in_options(note)), ask)?;
-    bar.finish_and_clear();
+    setup::for_each_window(field, settings, &open, &progress, &|note| say(&in_options(note)), ask_and_count)?;
     opened.get().map_or(Ok(()), |device| finish(device))
-}
-
-/// Shows on `bar` that `done` of `of` parts of the step `what` are done.
-pub fn show(bar: &ProgressBar, what: &'static str, done: usize, of: usize) -> Result<()> {
-    bar.set_message(what);
-    bar.set_length(of as u64);
-    bar.set_position(done as u64);
-    Ok(())
 }
 
 /// Warns, once a run, if `field` is sampled too coarsely for directions at wavelengths from `shortest` \[µm\].
@@ -142,14 +141,4 @@ pub fn warn_of_coarse_samples(field: &HeightField, shortest: f64) {
             ));
         });
     }
-}
-
-/// Returns a progress bar on stderr, drawn on a terminal only.
-pub fn progress_bar(what: &'static str) -> ProgressBar {
-    let bar = if quiet() { ProgressBar::hidden() } else { ProgressBar::new(1) };
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
-        bar.set_style(style);
-    }
-    bar.set_message(what);
-    bar
 }

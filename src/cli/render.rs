@@ -5,6 +5,7 @@ use super::finished::{self, KeptPicture, SequenceOrigin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, sample_pixels,
 };
+use super::progress::Progress;
 use super::sequence::SequenceOptions;
 use super::verbosity::say;
 use super::{captions, prepare, scale};
@@ -33,7 +34,6 @@ use crate::setup::{self, InUse, ObjectSurface, PictureSettings, PreparedScene, S
 use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
-use indicatif::ProgressBar;
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -66,7 +66,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "16")]
     samples: u32,
     /// Shade only this many random pixels of those that the mesh covers (--method reference only)
-    #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = sample_pixels, allow_hyphen_values = true, hide_short_help = true)]
     sample_pixels: Option<usize>,
     #[command(flatten)]
     sequence: SequenceOptions,
@@ -77,7 +77,7 @@ pub struct Arguments {
     #[command(flatten)]
     colour: ColourOptions,
     /// Read the colour table of an export of the same surface and settings instead of making one
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(long, value_name = "FOLDER", hide_short_help = true)]
     table: Option<PathBuf>,
     #[command(flatten)]
     device: DeviceOptions,
@@ -256,7 +256,7 @@ fn draw(
         prepared.show(shown);
     }
     scale::tell(prepared.renderer(), &first.view, scene, optics.coherence)?;
-    let progress = Progress::over(shots.len(), if reference { "pixels" } else { "samples" });
+    let progress = PictureProgress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);
         let picture = match &rays {
@@ -281,32 +281,27 @@ fn draw(
     prepare::finish(&device)
 }
 
-/// Progress bar over all pictures, removed on drop.
-struct Progress {
-    bar: ProgressBar,
+/// Progress over all pictures.
+struct PictureProgress {
+    bar: Progress,
+    parts: &'static str,
     pictures: usize,
 }
 
-impl Progress {
+impl PictureProgress {
     /// Returns the bar of so many pictures, each of which consists of `parts`.
     fn over(pictures: usize, parts: &'static str) -> Self {
-        Self { bar: prepare::progress_bar(parts), pictures }
+        Self { bar: Progress::new(parts, "a smaller --size, or a smaller number of --samples,"), parts, pictures }
     }
 
     /// Shows that `done` of the parts `of` picture number `number`, from 0, are done.
     fn show(&self, number: usize, done: usize, of: usize) -> Result<()> {
-        if self.pictures > 1 {
-            self.bar.set_message(format!("picture {} of {}", number + 1, self.pictures));
-        }
-        self.bar.set_length((of * self.pictures) as u64);
-        self.bar.set_position((of * number + done) as u64);
+        let message = match self.pictures {
+            1 => self.parts.to_owned(),
+            pictures => format!("picture {} of {pictures}", number + 1),
+        };
+        self.bar.show_as(self.parts, message, of * number + done, of * self.pictures);
         Ok(())
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
     }
 }
 
@@ -316,7 +311,9 @@ fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) 
     const PIXELS: usize = 2000;
     let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
     let one = PictureWork { settings: &settings, shaded: Some(PIXELS), ..*work };
-    let picture = reference_picture(rays, view, &one, Shown::of(work.scene), &|_, _| Ok(()))?;
+    let bar = Progress::new("exposure", "an --exposure in stops");
+    let progress = |done, of| bar.show("exposure", done, of);
+    let picture = reference_picture(rays, view, &one, Shown::of(work.scene), &progress)?;
     Ok(exposure::automatic(&picture.radiance))
 }
 

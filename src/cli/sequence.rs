@@ -17,11 +17,11 @@ pub struct SequenceOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true)]
     turntable: Option<u32>,
     /// N pictures, once around: all lights and the surroundings turn about the world's up by 360/N degrees from each to the next. Files as for --turntable
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true, hide_short_help = true)]
     light_sweep: Option<u32>,
     /// Draw only pictures A to B-1 of the sequence, counted from 0: 0..24 are the first 24. In this way several machines can share a
     /// sequence
-    #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A..B", value_parser = frames, allow_hyphen_values = true, hide_short_help = true)]
     frames: Option<Range<u32>>,
 }
 

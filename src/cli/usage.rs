@@ -1,10 +1,10 @@
 //! Parsing of the process's words into arguments; wrong use becomes a one-line error of the program.
 
 use super::usage_error::in_one_line;
-use super::{Arguments, scene_options, write};
+use super::{Arguments, scene_options, short_help, write};
 use crate::error::Result;
 use clap::error::ErrorKind;
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use std::ffi::OsString;
 use std::io::Write;
 
@@ -36,7 +36,8 @@ pub enum Understood {
 /// See [`parse`].
 pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Understood> {
     let words: Vec<OsString> = words.into_iter().collect();
-    match Arguments::try_parse_from(&words) {
+    let matches = short_help::add(Arguments::command()).try_get_matches_from(&words);
+    match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => {
             let expanded = scene_options::with_those_of_the_scene(&words, &arguments)?;
             Ok(Understood::Work(Box::new(expanded.unwrap_or(arguments))))

@@ -33,10 +33,10 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "64")]
     samples: u32,
     /// Frames a second to keep up while something moves, by leaving work out
-    #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true, default_value = "15")]
+    #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true, default_value = "15", hide_short_help = true)]
     fps: f64,
     /// Presentation of frames; immediate and mailbox do not wait for the display
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, hide_short_help = true)]
     present: Present,
     #[command(flatten)]
     view: ViewOptions,

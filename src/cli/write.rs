@@ -1,6 +1,7 @@
 //! Output of results to files and to stdout.
 
-use crate::error::{Error, Result};
+use super::closed_stdout;
+use crate::error::{self, Error, Result};
 use crate::output;
 use std::io::Write;
 use std::path::Path;
@@ -16,11 +17,15 @@ pub fn without_controls(text: &str) -> String {
     text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), "\u{fffd}")
 }
 
-/// Converts the outcome of writing to stdout. A closed pipe is not an error: the reader has read all that it wanted.
+/// Converts the outcome of writing to stdout. A closed pipe is not an error: the reader has read all that it wanted. A stdout that was closed from the
+/// start is one: nobody reads the result.
 pub fn printed(outcome: std::io::Result<()>) -> Result<()> {
+    if closed_stdout::is_closed() {
+        return Err(Error::failed("stdout is closed, so that the result is lost", "send it to a file or a program"));
+    }
     match outcome {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Error::failed(format!("stdout cannot be written ({e})"), "check where it goes"))
+            Err(Error::failed(format!("stdout cannot be written: {}", error::cause(&e)), "check where it goes"))
         }
         _ => Ok(()),
     }

@@ -4,7 +4,7 @@ use super::conformance::Conformance;
 use super::description::{FileSum, MaterialDescription, is_description};
 use super::shader::{self, ShaderLanguage};
 use super::{ExportedMaterial, ktx2, openexr, translation};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::input;
 use crate::output::{TEMPORARY, write_failed};
 use crate::table::{ColorTable, TableHeader};
@@ -77,7 +77,7 @@ fn draft_beside(folder: &Path) -> Result<tempfile::TempDir> {
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
     builder.tempdir_in(parent).map_err(|e| {
         Error::failed(
-            format!("cannot create a folder in {} ({e})", parent.display()),
+            format!("cannot create a folder in {}: {}", parent.display(), error::cause(&e)),
             "create that folder, make it writable, or choose another one",
         )
         .at(folder.display())
@@ -185,7 +185,7 @@ impl ExportReader {
         // One byte more than expected tells a longer file without reading it.
         file.take(expected.bytes.saturating_add(1))
             .read_to_end(&mut bytes)
-            .map_err(|e| refused(format!("it cannot be read ({e})")))?;
+            .map_err(|e| refused(format!("it cannot be read: {}", error::cause(&e))))?;
         let found = FileSum::new(&bytes);
         if found.bytes < expected.bytes {
             return Err(refused(format!("it is truncated: {} of {} bytes", found.bytes, expected.bytes)));

@@ -28,12 +28,13 @@ pub use folder::{ExportReader, check_target, write};
 use crate::brdf::albedo::{Decimation, DirectionalAlbedo};
 use crate::brdf::energy_map::EnergyMap;
 use crate::brdf::mean::MeanBrdf;
-use crate::error::{Error, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::{Beyond, OrderSeries, PowerSettings};
 use crate::surface::HeightField;
-use crate::table::{ColorTable, PlannedTable, TableSettings, bake};
+use crate::table::{self, ColorTable, PlannedTable, TableSettings, bake};
+use crate::tolerance;
 
 /// Settings of an exported material.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,22 +78,21 @@ impl ExportedMaterial {
         settings: &ExportSettings,
         progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
     ) -> Result<Self> {
-        let powers = PowerSettings::new(settings.sigma, settings.beyond, settings.tolerance);
-        let mut colours = TableSettings {
-            reflectance: Some(settings.reflectance.clone()),
-            wavelengths: settings.wavelengths,
-            finest: settings.footprint,
-            ..TableSettings::new(settings.illuminant.clone(), settings.tolerance)
-        };
-        let series = OrderSeries::new(field, &powers, &|done, of| progress("orders", done, of))?;
-        if let Some(most) = settings.most_bytes {
-            colours.finest = footprint_within(most, &series, colours.clone())?;
-        }
-        let mut table = bake(&series, &colours, &|done, of| progress("colours", done, of))?;
-        table.header.energy = settings.reflectance.is_limited().then(|| {
-            let albedo = DirectionalAlbedo::new(&series, &settings.reflectance, Decimation::Coarse);
-            EnergyMap::new(&albedo, &settings.illuminant).points().to_vec()
+        let made = plan(field, settings, progress).and_then(|(series, colours)| {
+            let table = bake(&series, &colours, &|done, of| progress("colours", done, of))?;
+            Ok((series, table))
         });
+        let (series, mut table) = made.map_err(|refusal| {
+            tolerance::with_least(refusal, settings.tolerance, |tolerance| {
+                let (series, colours) = plan(field, &ExportSettings { tolerance, ..settings.clone() }, progress)?;
+                table::check(&series, &colours)
+            })
+        })?;
+        if settings.reflectance.is_limited() {
+            let albedo = DirectionalAlbedo::new(&series, &settings.reflectance, Decimation::Coarse);
+            albedo.make_table(&|done, of| progress("energy", done, of))?;
+            table.header.energy = Some(EnergyMap::new(&albedo, &settings.illuminant).points().to_vec());
+        }
         drop(series);
         let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
         let mean = MeanBrdf {
@@ -105,6 +105,26 @@ impl ExportedMaterial {
         let conformance = Conformance::new(mean, settings, &table, &exact)?;
         Ok(Self { table, conformance })
     }
+}
+
+/// Returns the series of orders of `field` and the settings of the table that `settings` ask for.
+fn plan(
+    field: &HeightField,
+    settings: &ExportSettings,
+    progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
+) -> Result<(OrderSeries, TableSettings)> {
+    let powers = PowerSettings::new(settings.sigma, settings.beyond, settings.tolerance);
+    let mut colours = TableSettings {
+        reflectance: Some(settings.reflectance.clone()),
+        wavelengths: settings.wavelengths,
+        finest: settings.footprint,
+        ..TableSettings::new(settings.illuminant.clone(), settings.tolerance)
+    };
+    let series = OrderSeries::new(field, &powers, &|done, of| progress("orders", done, of))?;
+    if let Some(most) = settings.most_bytes {
+        colours.finest = footprint_within(most, &series, colours.clone())?;
+    }
+    Ok((series, colours))
 }
 
 /// Returns the smallest footprint, from that of `settings` on, for which the table of `series` has at most `most` bytes of texels.
@@ -124,7 +144,13 @@ fn footprint_within(most: u64, series: &OrderSeries, settings: TableSettings) ->
         if settings.finest > LARGEST_FOOTPRINT {
             return Err(Error::failed(
                 format!("no table of this surface has as few as {most} bytes"),
-                "allow more bytes, or a larger tolerance",
+                // Texels are as many as the tolerance is small.
+                [
+                    Remedy::Words("allow more bytes".into()),
+                    Remedy::TimesTolerance(
+                        (variance + coherence_blur) / (LARGEST_FOOTPRINT.powi(2) + coherence_blur),
+                    ),
+                ],
             ));
         }
     }

@@ -5,6 +5,7 @@
 
 use super::environment_cells::{Cell, LightSums};
 use super::incident::{Incident, WIDER};
+use super::radiance_header;
 use crate::error::{Error, Result};
 use crate::input::PictureFile;
 use crate::memory;
@@ -363,9 +364,10 @@ impl EnvironmentMap {
         const BYTES: u64 = 64;
         let pixels = u64::from(width).saturating_mul(u64::from(height));
         memory::ensure_room(pixels.saturating_mul(BYTES), "the surroundings")?;
+        let exposure = radiance_header::exposure(bytes)?.as_vec3();
         let texels = PICTURE.decode(bytes)?.into_rgb32f().into_raw();
         let bounded = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST_RADIANCE) };
-        let read = || texels.chunks_exact(3).map(Vec3::from_slice);
+        let read = || texels.chunks_exact(3).map(|texel| Vec3::from_slice(texel) / exposure);
         let colors: Vec<Vec3> = read().map(|colour| colour.map(bounded)).collect();
         let changed = read().zip(&colors).filter(|(read, used)| read != *used).count();
         let map = EnvironmentMap { bounded: changed, ..averaged(width as usize, height as usize, colors) };
@@ -457,6 +459,20 @@ mod tests {
             assert!((mean(&white, normal) - DVec3::ONE).length() < 1e-3, "{}", mean(&white, normal));
             assert!((white.irradiance(normal) - DVec3::ONE).length() < 1e-3);
         }
+    }
+
+    #[test]
+    fn pixels_of_a_radiance_picture_are_divided_by_its_exposures() {
+        let read = |header: &str| {
+            let mut bytes = format!("#?RADIANCE\n{header}FORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n").into_bytes();
+            // Eight grey pixels of radiance 1: a mantissa of 128/256 times 2^(129 − 128).
+            bytes.extend([128, 128, 128, 129].repeat(8));
+            Environment::from_bytes("test", &bytes).unwrap().radiance(DVec3::X)
+        };
+        assert!((read("") - DVec3::ONE).length() < 0.01, "{}", read(""));
+        let exposed = read("EXPOSURE=4\nCOLORCORR=1 2 0.5\n");
+        let ratio = exposed / read("");
+        assert!((ratio - DVec3::new(0.25, 0.125, 0.5)).length() < 1e-6, "{ratio}");
     }
 
     #[test]

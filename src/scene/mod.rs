@@ -15,6 +15,7 @@ pub mod obj;
 pub mod object;
 mod polygon;
 pub mod primitives;
+mod radiance_header;
 mod scene_document;
 pub mod scene_file;
 mod scene_options;

@@ -10,13 +10,13 @@
 use super::corner::Corner;
 use super::mesh::{MAX_TRIANGLES, Mesh, Progress};
 use super::polygon::PolygonCutter;
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
+use crate::input;
 use crate::memory;
 use glam::Vec3;
 use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
-use std::fs::{self, File};
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
@@ -48,7 +48,7 @@ const SHOWN: usize = 40;
 /// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; a part that it does not have; otherwise those of
 /// [`from_bytes`]. The error names the file. Also errors of `progress`.
 pub fn load(path: &Path, part: Option<&str>, progress: &Progress<'_>) -> Result<Mesh> {
-    read(path).and_then(|bytes| parse(&bytes, part, progress)).map_err(|e| e.at(path.display()))
+    parse(&read(path)?, part, progress).map_err(|e| e.at(path.display()))
 }
 
 /// Reads the mesh in the text of an OBJ file.
@@ -128,28 +128,14 @@ impl Read for ToldText<'_> {
 
 /// Reads the file, if it is a plain one and not too large.
 fn read(path: &Path) -> Result<Vec<u8>> {
-    let failed = |e: io::Error| Error::failed(format!("cannot read the mesh ({e})"), "check the path");
-    let about = fs::metadata(path).map_err(failed)?;
-    if !about.is_file() {
-        let what = if about.is_dir() { "this is a directory" } else { "this is not a plain file" };
-        return Err(Error::failed(what, "name a Wavefront OBJ file"));
-    }
-    let too_large = |size: u64| {
-        Error::failed(
-            format!("the file of {size} bytes is larger than {MAX_BYTES}"),
-            "simplify the mesh first",
-        )
-    };
-    if about.len() > MAX_BYTES {
-        return Err(too_large(about.len()));
-    }
-    memory::ensure_room(about.len(), "the text of the mesh")?;
-    let mut bytes = Vec::with_capacity(about.len() as usize + 1);
+    let file = input::open(path, "a Wavefront OBJ file, or the name of a scene", MAX_BYTES)?;
+    let length = file.metadata().map_or(0, |about| about.len());
+    memory::ensure_room(length, "the text of the mesh").map_err(|e| e.at(path.display()))?;
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     // The file may grow while it is read.
-    File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(failed)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(too_large(bytes.len() as u64));
-    }
+    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| {
+        Error::failed(format!("it cannot be read: {}", error::cause(&e)), "check the disk").at(path.display())
+    })?;
     Ok(bytes)
 }
 

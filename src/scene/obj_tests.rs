@@ -267,11 +267,11 @@ fn files_that_are_missing_directories_or_huge_are_refused_by_name() {
     let nobody = |_: &str, _, _| Ok(());
     let missing = folder.path().join("none.obj");
     let e = load(&missing, None, &nobody).unwrap_err().to_string();
-    assert!(e.contains("none.obj") && e.contains("check the path"), "{e}");
-    assert!(load(folder.path(), None, &nobody).unwrap_err().to_string().contains("directory"));
+    assert!(e.contains("none.obj") && e.contains("there is no such file"), "{e}");
+    assert!(load(folder.path(), None, &nobody).unwrap_err().to_string().contains("it is a folder"));
     let huge = folder.path().join("huge.obj");
-    File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
-    assert!(load(&huge, None, &nobody).unwrap_err().to_string().contains("larger than"));
+    std::fs::File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
+    assert!(load(&huge, None, &nobody).unwrap_err().to_string().contains("more than the"));
 }
 
 #[test]

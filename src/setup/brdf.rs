@@ -40,7 +40,8 @@ pub fn for_each_window(
     };
     match (optics.method, optics.windows) {
         (Method::Reference, Windows::All) => {
-            return ask(&mut MeanReference::new(mean()?, illuminant, settings.shortest), 1.0);
+            let reference = MeanReference::new(mean()?, illuminant, settings.shortest);
+            return ask(&mut reference.telling(progress), 1.0);
         }
         (Method::Reference, Windows::Grid(windows)) => {
             let (limit, too_high) = single_limit(field, settings, progress)?;
@@ -51,7 +52,8 @@ pub fn for_each_window(
             return ask(&mut DirectSum { reference, illuminant }, 1.0);
         }
         (Method::Spectral, Windows::All) => {
-            return ask(&mut MeanFromOrders::new(mean()?, illuminant, optics.tolerance), 1.0);
+            let mean = MeanFromOrders::new(mean()?, illuminant, optics.tolerance);
+            return ask(&mut mean.telling(progress), 1.0);
         }
         _ => {}
     }

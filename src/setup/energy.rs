@@ -71,8 +71,8 @@ pub fn colour_limit(
     };
     let make = |in_use: &mut InUse| {
         let series = in_use.series(field, &powers, progress)?;
-        progress("energy", 0, 1)?;
         let albedo = DirectionalAlbedo::new(&series, &optics.reflectance, Decimation::Coarse);
+        albedo.make_table(&|done, of| progress("energy", done, of))?;
         Ok(EnergyMap::measured(&albedo, &optics.illuminant))
     };
     let (map, note) = wanted.obtain(in_use, |in_use| &mut in_use.energies, make)?;

@@ -5,6 +5,7 @@ mod energy;
 mod picture;
 mod pipelines;
 
+pub use crate::brdf::Progress;
 pub use brdf::for_each_window;
 pub use energy::{colour_limit, single_limit};
 pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, picture};
@@ -23,7 +24,8 @@ use crate::settings::{Method, Optics};
 use crate::spectra::amplitude::{self, LayerSettings, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, statistics, tiling};
-use crate::table::{ColorTable, TableSettings, bake};
+use crate::table::{self, ColorTable, TableSettings, bake};
+use crate::tolerance;
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
 
@@ -54,10 +56,6 @@ impl SourceSettings {
         }
     }
 }
-
-/// Callback with the name of the computation, steps done and steps in total, as far as known; an error it returns
-/// cancels the work.
-pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
 
 /// Source, and the reason if the cache could not keep it.
 pub struct Made {
@@ -131,7 +129,14 @@ pub fn source(
     progress: &Progress<'_>,
 ) -> Result<Made> {
     settings.optics.check()?;
-    let Made { source, note } = unlimited_source(field, settings, limits, in_use, progress)?;
+    let made = unlimited_source(field, settings, limits, in_use, progress);
+    let Made { source, note } = made.map_err(|refusal| {
+        tolerance::with_least(refusal, settings.optics.tolerance, |tolerance| {
+            let optics = Optics { tolerance, ..settings.optics.clone() };
+            let settings = SourceSettings { optics, ..settings.clone() };
+            check_source(field, &settings, limits, in_use, progress)
+        })
+    })?;
     let (energy, other) = colour_limit(field, settings, in_use, progress)?;
     Ok(Made { source: source.limited(energy), note: note.or(other) })
 }
@@ -167,6 +172,23 @@ fn unlimited_source(
             Ok(Made { source: Source::Grating(Grating { layers, repeats, energy: None }), note })
         }
     }
+}
+
+/// Fails if [`unlimited_source`] would. Spectra are made, and kept for the request that names their tolerance; a colour table, which takes far longer, is
+/// planned only.
+fn check_source(
+    field: &HeightField,
+    settings: &SourceSettings,
+    limits: &Candidate,
+    in_use: &mut InUse,
+    progress: &Progress<'_>,
+) -> Result<()> {
+    settings.optics.check()?;
+    if settings.optics.method == Method::Table {
+        let series = in_use.series(field, &settings.power_settings()?, progress)?;
+        return table::check(&series, &settings.table_settings(limits));
+    }
+    unlimited_source(field, settings, limits, in_use, progress).map(drop)
 }
 
 /// Returns spectra through a Gaussian window of standard deviation `sigma` \[µm\], or of one period if `sigma` is

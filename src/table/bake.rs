@@ -122,6 +122,16 @@ impl PlannedTable {
     }
 }
 
+/// Fails if [`bake`] would refuse to make a table of `series` under `settings`: a check that takes far less time.
+///
+/// # Errors
+/// Limits or memory that do not suffice.
+pub fn check(series: &OrderSeries, settings: &TableSettings) -> Result<()> {
+    let spectrum = DirectionWavelengths::new(series, settings);
+    let plan = Plan::new(series, &OrderReader::new(series), &spectrum, settings)?;
+    check_room(&plan.grid, plan.projection.basis.layers(), settings)
+}
+
 /// Returns the grid for a table of `layers` whose finest level averages over `blur`. The errors of orders are independent, so that pictures
 /// of many orders err by less than single points, up to [`MeanBudget::averaging`](crate::budget::MeanBudget) times less. Pictures of few
 /// orders get more texels. If these would take more than [`ROOM`], the spacing grows as far as `most_averaging` allows.
@@ -206,13 +216,16 @@ fn check_room(grid: &TableGrid, layers: usize, settings: &TableSettings) -> Resu
     const MIB: f64 = 1024.0 * 1024.0;
     let bytes = grid.bytes(layers);
     if grid.side > settings.side_limit || bytes > settings.memory_limit {
+        // Texels are as many as the tolerance is small.
+        let sides = grid.side as f64 / settings.side_limit as f64;
+        let growth = (bytes as f64 / settings.memory_limit as f64).max(sides * sides);
         return Err(Error::failed(
             format!(
                 "the colour table would take {0} x {0} texels and {1:.0} MiB",
                 grid.side,
                 bytes as f64 / MIB
             ),
-            [Remedy::LargerTolerance, Remedy::FartherCamera, Remedy::OneWindow],
+            [Remedy::TimesTolerance(growth), Remedy::FartherCamera, Remedy::OneWindow],
         ));
     }
     // The finest level in 32-bit floats, the next one and its average along rows exist beside all levels in 16-bit floats.

@@ -21,7 +21,7 @@ mod read;
 mod specular;
 mod sums;
 
-pub use bake::{PlannedTable, bake};
+pub use bake::{PlannedTable, bake, check};
 pub use basis::{ColorBasis, Cubics};
 pub use grid::{LEVELS_OF_MIP, TableGrid};
 pub use read::TableReader;

@@ -53,11 +53,15 @@ impl Projection {
     ) -> Result<Self> {
         let colours = ColourSamples::new(reader, spectrum, settings);
         let allowed = |projection: &Self| projection.error <= settings.budget.basis;
-        let whole = (1..=MOST_PIECES).map(|pieces| colours.projection(pieces, MOST_COMPONENTS)).find(allowed);
+        let mut least = f64::INFINITY;
+        let whole = (1..=MOST_PIECES)
+            .map(|pieces| colours.projection(pieces, MOST_COMPONENTS))
+            .inspect(|projection| least = least.min(projection.error))
+            .find(allowed);
         let whole = whole.ok_or_else(|| {
             Error::failed(
                 format!("{MOST_PIECES} cubics do not hold the colours of so high a surface"),
-                [Remedy::LargerTolerance, Remedy::OneWindow],
+                [Remedy::TimesTolerance(least / settings.budget.basis), Remedy::OneWindow],
             )
         })?;
         let layers = whole.basis.layers().max(LAYERS);

@@ -1,7 +1,7 @@
 //! Measures the error of the picture shown: random pixels against the f64 reference.
 
 use super::prepared::Prepared;
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::measure::error::{PixelErrors, sample};
 use crate::render::directions::Directions;
 use crate::render::frame::View;
@@ -113,7 +113,7 @@ impl ErrorProbe {
             }
         };
         std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
+            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
         })?;
         Ok(Self { stop })
     }

@@ -3,7 +3,7 @@
 use super::frame::FrameRequest;
 use super::frame_renderer::FrameRenderer;
 use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::vk::device::Device;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -24,7 +24,7 @@ impl RenderThread {
         let (tasks, device) = (queue.clone(), device.clone());
         let work = move || FrameRenderer::new(device).run(&tasks, &reply);
         let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
+            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }

@@ -2,7 +2,7 @@
 
 use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::filter::FootprintSizes;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::render::frame::View;
@@ -154,7 +154,7 @@ impl Worker {
         };
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
+            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }

@@ -1,6 +1,8 @@
 //! BRDF numbers.
 
-use crate::sandbox::{SMALL, Sandbox};
+use crate::sandbox::{SMALL, Sandbox, TIMEOUT};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 
 const QUERIES: &str = "name,theta_i,phi_i,theta_r,phi_r,wavelength
 mirror,20,0,20,180,550
@@ -323,4 +325,26 @@ fn heights_that_no_surface_has_are_refused_at_once() {
         assert!(outcome.code == Some(1) && outcome.stdout.is_empty(), "{height}: {outcome:?}");
         assert!(last.contains(said) && last.contains("check the") && last.len() < 300, "{height}: {last}");
     }
+}
+
+#[test]
+fn work_of_many_minutes_says_so_after_some_seconds_and_names_what_is_shorter() {
+    let sandbox = Sandbox::new();
+    let rows: String = (0..40_000).map(|i| format!("30,0,{},180\n", f64::from(i) / 500.0)).collect();
+    sandbox.write("q.csv", format!("theta_i,phi_i,theta_r,phi_r\n{rows}"));
+    let words = ["eval", "elaphe", "--queries", "q.csv", "--method", "reference", "--windows", "1x1", "--theory", "stam"];
+    let told = std::fs::File::create(sandbox.path("told.txt")).unwrap();
+    let mut command = sandbox.command(words);
+    let mut child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(told).spawn().unwrap();
+    let begun = Instant::now();
+    let line = loop {
+        let text = String::from_utf8(sandbox.read("told.txt")).unwrap();
+        if text.contains("more; ") || begun.elapsed() > TIMEOUT || child.try_wait().unwrap().is_some() {
+            break text;
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    };
+    let _ = child.kill();
+    child.wait().unwrap();
+    assert!(line.contains("directions: this takes about") && line.contains("is shorter"), "{line}");
 }

@@ -351,3 +351,24 @@ fn names_with_spaces_line_breaks_and_other_bytes_are_names() {
     let line = sandbox.run(["surface", "info", shown]).refused(2);
     assert!(line.contains("skin of a snake.png"), "{line}");
 }
+
+#[test]
+fn a_file_that_is_missing_is_told_in_words_by_every_command() {
+    let sandbox = Sandbox::new();
+    for words in [
+        &["render", "none.obj", "-o", "a.png"][..],
+        &["render", "none.toml", "-o", "a.png"],
+        &["render", "plate", "--environment", "none.hdr", "-o", "a.png"],
+        &["render", "plate", "--illuminant", "none.csv", "-o", "a.png"],
+        &["render", "plate", "--material", "none.csv", "-o", "a.png"],
+        &["render", "plate", "--table", "none", "-o", "a.png"],
+        &["eval", "flat", "--queries", "none.csv"],
+        &["surface", "info", "none.gsf"],
+        &["export", "--check", "none"],
+        &["surface", "synth", "flat", "-o", "none/a.png"],
+    ] {
+        let line = sandbox.run(words).refused_somehow(words[0]);
+        assert!(line.contains("no such file") || line.contains("does not exist"), "{words:?}: {line}");
+        assert!(!line.contains("os error"), "{words:?}: {line}");
+    }
+}

@@ -384,3 +384,14 @@ fn a_sweep_takes_the_place_of_one_option_and_refuses_it() {
         assert!(outcome.code == Some(2) && outcome.stderr.contains(reason), "{arguments:?}: {outcome:?}");
     }
 }
+
+#[test]
+fn a_share_may_be_written_in_percent() {
+    let sandbox = Sandbox::new();
+    let least = |share: &str| {
+        sandbox.run(["orders", "blaze", "--light", "30,0", "--wavelength", "550nm", "--least", share])
+    };
+    let [number, percent] = ["0.01", "1%"].map(|share| least(share).stdout);
+    assert!(number.lines().count() > 1 && number == percent, "{number}\n{percent}");
+    assert!(least("101%").refused(2).contains("percent"));
+}

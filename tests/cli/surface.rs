@@ -248,3 +248,43 @@ fn info_tells_what_scalar_theory_errs_by_on_a_material() {
     let refused = sandbox.run(["surface", "info", "--material", "no.csv"]).refused(1);
     assert!(refused.contains("no.csv"), "{refused}");
 }
+
+#[test]
+fn a_height_that_no_surface_has_is_questioned_whoever_says_it() {
+    let sandbox = Sandbox::with_small_surface();
+    let questioned = |words: &[&str]| {
+        let outcome = sandbox.run2(&["surface", "info"], words);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        outcome.stderr.contains("is the full height right that was given?")
+    };
+    assert!(questioned(&["elaphe", "--height", "434.7um"]));
+    assert!(!questioned(&["elaphe", "--height", "434.7nm"]));
+    let small = ["small.png", "--pixel-size", "83nm", "--height"];
+    assert!(questioned(&[&small[..], &["137um"]].concat()));
+    assert!(!questioned(&[&small[..], &["137nm"]].concat()));
+}
+
+#[test]
+fn heights_that_32_bit_floats_round_are_told_by_the_formats_that_have_them_alone() {
+    let sandbox = Sandbox::new();
+    let rows: String = (0..4).map(|i| format!("{}\t{}\n", 1.0 + f64::from(i) * 1e-7, 1.0 + 3e-8)).collect();
+    sandbox.write("high.txt", format!("# Channel: Topo\n# Width: 20 nm\n# Height: 80 nm\n# Value units: m\n{rows}"));
+    let told = |output: &str, more: &[&str]| {
+        let outcome = sandbox.run2(&["surface", "convert", "high.txt", "-o", output], more);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        outcome.stderr.contains("32-bit floats round the heights")
+    };
+    assert!(told("a.gsf", &[]) && told("a.tif", &[]));
+    assert!(!told("a.npy", &[]) && !told("a.gsf", &["--level", "mean"]));
+}
+
+#[test]
+fn the_corner_of_a_crop_may_be_zero_in_any_form() {
+    let sandbox = Sandbox::new();
+    let cropped = |crop: &str| sandbox.run(["surface", "info", "blaze", "--json", "--crop", crop]).done();
+    let expected = cropped("10um+0um+1um");
+    for crop in ["10um+0.0um+1um", "10um+0 nm+1um", "10um+0e0mm+1000nm"] {
+        assert_eq!(cropped(crop), expected, "{crop}");
+    }
+    sandbox.run(["surface", "info", "blaze", "--crop", "0.0um+0um+1um"]).refused(2);
+}

@@ -3,11 +3,12 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 19] = [
+pub const COMMANDS: [(&[&str], &str); 20] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
     (&["brdf"], "--light"),
+    (&["colour"], "--aspecular"),
     (&["orders"], "--wavelength"),
     (&["export"], "--footprint"),
     (&["peaks"], "--angles"),
@@ -32,15 +33,36 @@ fn help_of_every_command_goes_to_stdout_with_exit_code_0() {
     assert!(top.contains("Examples:"));
     for (command, mentioned) in COMMANDS {
         assert!(command.len() > 1 || top.contains(command[0]), "{command:?} is not in the help");
-        for flag in ["--help", "-h"] {
-            let help = sandbox.run2(command, &[flag]).done();
-            assert!(help.contains(mentioned) && help.contains("Usage: diffract"), "{command:?}: {help}");
-            assert!(
-                help.contains("Example") || [&["surface"][..], &["cache", "clear"]].contains(&command),
-                "{command:?} has no example"
-            );
-        }
+        let help = sandbox.run2(command, &["--help"]).done();
+        assert!(help.contains(mentioned) && help.contains("Usage: diffract"), "{command:?}: {help}");
+        assert!(
+            help.contains("Example") || [&["surface"][..], &["cache", "clear"]].contains(&command),
+            "{command:?} has no example"
+        );
     }
+}
+
+/// Returns the options that a help lists.
+fn options(help: &str) -> Vec<&str> {
+    let lines = help.lines().map(str::trim_start).filter(|line| line.starts_with('-'));
+    lines.filter_map(|line| line.split([' ', ',']).find(|word| word.starts_with("--"))).collect()
+}
+
+#[test]
+fn the_short_help_of_every_command_fits_a_screen_and_says_where_the_rest_is() {
+    /// Lines of a usual terminal.
+    const LINES: usize = 50;
+    let sandbox = Sandbox::new();
+    for command in COMMANDS.map(|(command, _)| command).into_iter().chain([&[][..]]) {
+        let [short, long] = ["-h", "--help"].map(|flag| sandbox.run2(command, &[flag]).done());
+        assert!(short.contains("Usage: diffract"), "{command:?}: {short}");
+        assert!(short.lines().count() <= LINES, "{command:?} has {} lines:\n{short}", short.lines().count());
+        let [usual, all] = [options(&short), options(&long)];
+        assert!(usual.iter().all(|option| all.contains(option)), "{command:?}: {usual:?}");
+        let tells = short.trim_end().ends_with("--help shows all of them, with examples.");
+        assert_eq!(tells, usual.len() < all.len(), "{command:?}:\n{short}");
+    }
+    assert!(options(&sandbox.run(["render", "--help"]).done()).len() > 40, "options are found");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 use super::Arguments;
 use crate::brdf::Brdf;
 use crate::cli::options::OpticsOptions;
+use crate::cli::progress::Progress;
 use crate::cli::say;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
@@ -15,16 +16,12 @@ use crate::optics::color;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::quadrature::gauss_legendre;
 use crate::optics::spectrum::SHORTEST;
-use crate::settings::{Method, Optics};
+use crate::settings::Optics;
 use crate::setup::SourceSettings;
 use crate::spectra::power::Blur;
 use crate::surface::HeightField;
 use glam::{DVec3, Vec3};
-use indicatif::ProgressBar;
 use std::ops::Range;
-
-/// Number of directions by the direct sum from which a warning is shown.
-const MANY_SUMS: usize = 5_000;
 
 /// A square map, row by row from the top: linear sRGB \[sr⁻¹\], alpha 1 in the disc, 0 outside. At a single wavelength the
 /// three channels are equal.
@@ -54,7 +51,6 @@ impl HemisphereMap {
         let mut pixels = vec![[0.0; 4]; count as usize];
         let mut of_orders = None;
         let parts = PixelParts::of(&optics, field, side, shortest);
-        let is_direct = optics.method == Method::Reference;
         let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, share| {
             let averages = brdf.average_over(of_pixel(side));
@@ -62,14 +58,11 @@ impl HemisphereMap {
             parts.warn();
             let rule = gauss_legendre(parts.count);
             let directions = views(side, 0..side).count() * rule.len().pow(2) * arguments.light.len();
-            if is_direct && directions > MANY_SUMS {
-                say(&format_args!("{directions} direct sums take their time; a smaller --size is faster"));
-            }
             // Figures alone say it.
             if arguments.plot.is_some() {
                 of_orders = albedo(arguments, brdf)?;
             }
-            let bar = evaluation::bar(directions);
+            let bar = Progress::new("directions", "a smaller --size").over(directions);
             // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
             let rows = (evaluation::AT_ONCE as u32 / (side * parts.count.pow(2))).max(1);
             for first in (0..side).step_by(rows as usize) {
@@ -85,7 +78,6 @@ impl HemisphereMap {
                     pixels[*place] = sum.extend(1.0).to_array();
                 }
             }
-            bar.finish_and_clear();
             Ok(())
         })?;
         Ok(Self { side, pixels, of_orders })
@@ -200,7 +192,7 @@ fn shade(
     arguments: &Arguments,
     brdf: &mut dyn Brdf,
     views: &[DVec3],
-    bar: &ProgressBar,
+    bar: &Progress,
 ) -> Result<Vec<DVec3>> {
     let mut sums = vec![DVec3::ZERO; views.len()];
     for light in &arguments.light {

@@ -62,8 +62,7 @@ pub struct Arguments {
     /// Draw the figure of two variants and their difference: methods, bases or coherences, joined by + if both change
     #[arg(
         long, value_name = "A,B", value_parser = Variant::pair, allow_hyphen_values = true, requires = "plot",
-        conflicts_with = "output"
-    )]
+        conflicts_with = "output", hide_short_help = true)]
     compare: Option<[Variant; 2]>,
     /// Direction of the light, in degrees from the normal and from +x toward +y; may be given several times
     #[arg(

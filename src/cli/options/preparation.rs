@@ -50,6 +50,9 @@ fn help(word: &str) -> &'static str {
     }
 }
 
+/// Steps that most scans need.
+const USUAL: [&str; 2] = ["level", "crop"];
+
 /// Returns the option of a step.
 fn option(word: &'static str, value: &'static str) -> Arg {
     let parse = move |text: &str| PreparationStep::from_option(word, text);
@@ -58,6 +61,7 @@ fn option(word: &'static str, value: &'static str) -> Arg {
         .help(help(word))
         .help_heading("Preparing the surface, in the order given")
         .action(ArgAction::Append)
+        .hide_short_help(!USUAL.contains(&word))
         .value_parser(parse);
     if value.is_empty() {
         return arg.num_args(0).default_missing_value("");

@@ -26,17 +26,17 @@ pub struct ReflectanceOptions {
     pub material: Option<Material>,
     /// Equations for the share of light that an index reflects: fresnel (exact), or schlick (the approximation of the thesis, 20 % off at 60
     /// degrees) [default: fresnel]
-    #[arg(long, value_name = "fresnel|schlick", value_parser = law, conflicts_with_all = ["material", "film"])]
+    #[arg(long, value_name = "fresnel|schlick", value_parser = law, conflicts_with_all = ["material", "film"], hide_short_help = true)]
     pub reflectance: Option<DielectricLaw>,
     /// Thin transparent film on the surface, with thickness and refractive index, as in 120nm:1.7
-    #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH:N", value_parser = Film::parse, allow_hyphen_values = true, hide_short_help = true)]
     pub film: Option<Film>,
     /// Theory of the brightness: small-slope (the small-slope approximation of first order, limited so that no surface reflects more than a flat one), or stam (the
     /// factor of the thesis, without a limit) [default: small-slope; stam with --reflectance schlick]
-    #[arg(long, value_name = "small-slope|stam", value_parser = Theory::from_name)]
+    #[arg(long, value_name = "small-slope|stam", value_parser = Theory::from_name, hide_short_help = true)]
     pub theory: Option<Theory>,
     /// Polarisation of the light that comes in: te (electric field perpendicular to the plane of incidence; by Stam's theory to the plane of light and viewer), tm (in it) or none [default: none]
-    #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name)]
+    #[arg(long, value_name = "te|tm|none", value_parser = Polarisation::from_name, hide_short_help = true)]
     pub polarisation: Option<Polarisation>,
 }
 

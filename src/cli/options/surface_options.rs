@@ -6,7 +6,7 @@ use crate::cli::say;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::surface::files::Topography;
-use crate::surface::files::plausible::OVERRIDDEN_BY_HEIGHT;
+use crate::surface::files::plausible::HeightScale;
 use crate::surface::synth::SurfaceKind;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::units;
@@ -31,7 +31,7 @@ pub struct SurfaceOptions {
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
     /// Seed of a random built-in surface, and of the positions in a pixel of `--samples`
-    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1")]
+    #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1", hide_short_help = true)]
     pub seed: u64,
     #[command(flatten)]
     preparation: PreparationOptions,
@@ -58,9 +58,12 @@ impl SurfaceOptions {
     /// Reads the heights of `source` without preparation; prints the warnings about them.
     pub fn read(&self, source: &SurfaceSource) -> Result<Topography> {
         let scan = source.read()?;
-        // A height that the user gives needs no question.
-        let asked = |warning: &&String| !(self.height.is_some() && warning.ends_with(OVERRIDDEN_BY_HEIGHT));
-        for warning in scan.origin().into_iter().flat_map(|origin| &origin.warnings).filter(asked) {
+        let warnings = match scan.origin() {
+            Some(origin) => origin.warnings.clone(),
+            // A generated surface is as high and as wide as asked.
+            None => scan.questions(HeightScale::Given),
+        };
+        for warning in warnings {
             say(&format_args!("{}: {warning}", source.name.display()));
         }
         Ok(scan)

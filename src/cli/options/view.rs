@@ -22,7 +22,7 @@ pub struct ViewOptions {
     pub exposure: Option<Exposure>,
     /// Tone curve for highlights, instead of the scene's: none (moved to the edge of the gamut) or neutral (softly to white, with their
     /// hue: the Khronos PBR Neutral Tone Mapper) [default: none]
-    #[arg(long, value_name = "NAME", value_parser = Tone::from_name)]
+    #[arg(long, value_name = "NAME", value_parser = Tone::from_name, hide_short_help = true)]
     pub tone: Option<Tone>,
     /// A light instead of the scene's lights and surroundings, in degrees from up and around it; give it again for more lights. A point, or
     /// sun:THETA,PHI (0.533 degrees across), or disc:SIZE:THETA,PHI as in disc:5deg:40,90. Or a lamp in the scene, in the scene's units:
@@ -36,28 +36,28 @@ pub struct ViewOptions {
     #[arg(long, value_name = "NAME|FILE")]
     pub environment: Option<OsString>,
     /// Rotation of the surroundings about the world's up, as in 90deg
-    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true, hide_short_help = true)]
     pub rotate_environment: Option<f64>,
     /// Brightness of the surroundings in stops
-    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
+    #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true, hide_short_help = true)]
     pub environment_exposure: Option<f64>,
     /// Shadows of the mesh on itself, instead of the scene's setting
-    #[arg(long, value_name = "on|off", value_parser = switch)]
+    #[arg(long, value_name = "on|off", value_parser = switch, hide_short_help = true)]
     pub shadows: Option<bool>,
     /// Position of the camera, instead of the scene's
-    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true, hide_short_help = true)]
     pub eye: Option<[f64; 3]>,
     /// Point that the camera looks at, instead of the scene's
-    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = units::triple, allow_hyphen_values = true, hide_short_help = true)]
     pub target: Option<[f64; 3]>,
     /// Vertical field of view, as in 35deg, instead of the scene's
-    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true, hide_short_help = true)]
     pub field_of_view: Option<f64>,
     /// Background behind the mesh, instead of the scene's: a colour, linear sRGB from 0 to 1, or the surroundings. An EXR has none
     #[arg(long, value_name = "R,G,B|surroundings", value_parser = Background::parse, allow_hyphen_values = true)]
     pub background: Option<Background>,
     /// Albedo of the pigment, linear sRGB from 0 to 1, instead of the scene's
-    #[arg(long, value_name = "R,G,B", value_parser = units::color, allow_hyphen_values = true)]
+    #[arg(long, value_name = "R,G,B", value_parser = units::color, allow_hyphen_values = true, hide_short_help = true)]
     pub base_color: Option<[f64; 3]>,
 }
 

@@ -4,6 +4,7 @@ use super::{Arguments, NM_PER_UM, is_written, rounded};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
+use crate::cli::progress::Progress;
 use crate::cli::range::Range;
 use crate::cli::{evaluation, prepare, say, write};
 use crate::error::{Error, Result};
@@ -176,17 +177,16 @@ pub fn of(
     let shortest = points.iter().flatten().map(|at| at.wavelength).fold(f64::INFINITY, f64::min);
     prepare::warn_of_coarse_samples(field, shortest);
     let count = points.iter().map(Vec::len).sum();
-    let bar = prepare::progress_bar("orders");
+    let bar = Progress::new("orders", "a range with larger steps");
     let mut done = 0;
     let mut of_point = |conditions: &Conditions| -> Result<SweepPoint> {
-        prepare::show(&bar, "orders", done, count)?;
+        bar.show("orders", done, count)?;
         done += 1;
         let scale = if height > 0.0 { conditions.height / height } else { 1.0 };
         let relief = Relief::of(&scaled(field, scale)?)?;
         point(*conditions, &scaled(cell, scale)?, relief, reflectance, arguments.least)
     };
     let runs = points.iter().map(|run| run.iter().map(&mut of_point).collect()).collect();
-    bar.finish_and_clear();
     runs
 }
 

@@ -25,8 +25,6 @@ use sweep::{AngleSweep, independent_windows};
 const NM_PER_UM: f64 = 1e3;
 /// Largest number of evaluations: a software device makes them in minutes.
 const MAX_EVALUATIONS: usize = 50_000_000;
-/// Number of evaluations by the direct sum from which a warning is shown: minutes on a patch of 65 µm.
-const MANY_SUMS: usize = 20_000;
 /// Largest order.
 const MAX_ORDER: u32 = 1000;
 /// Largest number of orders in one search.

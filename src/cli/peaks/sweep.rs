@@ -1,7 +1,8 @@
 //! The response over wavelengths and view angles, and the peaks in it.
 
-use super::{Arguments, MANY_SUMS};
-use crate::cli::{evaluation, prepare, say};
+use super::Arguments;
+use crate::cli::progress::Progress;
+use crate::cli::{evaluation, prepare};
 use crate::error::Result;
 use crate::measure::branches::ResponseMap;
 use crate::measure::peaks::Sought;
@@ -75,6 +76,8 @@ impl AngleSweep {
         memory::ensure_room(sweeps * evaluations * size_of::<f64>() as u64, "the sweeps of all windows")?;
         let one = Optics { windows: Windows::ONE, ..optics.clone() };
         let mut windows = Vec::new();
+        let bar = Progress::without_bar("windows", "a smaller number of --windows", (n * m) as usize);
+        bar.add(0);
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             // A window elsewhere on the periodic surface is this window on the moved surface. The surface moves by whole samples, which are
             // far smaller than a window.
@@ -83,6 +86,7 @@ impl AngleSweep {
             };
             let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
             windows.push(Self::through(arguments, &one, &moved)?);
+            bar.add(1);
         }
         Ok(windows)
     }
@@ -113,22 +117,17 @@ impl AngleSweep {
         let evaluations = wavelengths.len() * angles.len();
         // This sweep and the mean.
         memory::ensure_room(evaluations as u64 * 2 * size_of::<f64>() as u64, "the sweep")?;
-        let is_sum = optics.method == Method::Reference && optics.windows != Windows::All;
-        if is_sum && evaluations > MANY_SUMS {
-            say(&format_args!("{evaluations} direct sums take their time; --method spectral is faster"));
-        }
         let azimuth = arguments.axis.azimuth();
         let light = direction(arguments.theta_i, azimuth);
         let pairs: Vec<Pair> = angles.iter().map(|&a| Pair::new(light, direction(a, azimuth))).collect();
         let mut responses = Vec::with_capacity(evaluations);
         let settings = SourceSettings { shortest: wavelengths[0], ..SourceSettings::new(optics.clone()) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, _| {
-            let bar = evaluation::bar(evaluations);
+            let bar = Progress::new("directions", "a range with larger steps").over(evaluations);
             for &wavelength in &wavelengths {
                 let found = evaluation::ask(brdf, &pairs, Some(wavelength), &bar)?;
                 responses.extend(found.iter().map(|f| f.x));
             }
-            bar.finish_and_clear();
             Ok(())
         })?;
         Ok(Self { wavelengths, angles, responses })

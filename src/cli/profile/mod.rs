@@ -5,6 +5,7 @@ mod report;
 use super::autotune::{TunedSetting, tune};
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
 use super::options::sample_pixels;
+use super::progress::Progress;
 use super::{prepare, write};
 use crate::error::Result;
 use crate::files::Files;
@@ -87,15 +88,11 @@ fn profile(
     arguments: &Arguments,
 ) -> Result<ProfileReport> {
     let mut benchmark = scene.prepare(options)?;
-    let bar = prepare::progress_bar("frames");
-    let progress = |done: usize, of: usize| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        Ok(())
-    };
+    let bar = Progress::new("frames", "a smaller number of --frames");
+    let progress = |done, of| bar.show("frames", done, of);
     let frames = arguments.frames as usize;
     let times = measure(&mut benchmark.renderer, &scene.view, frames, f64::INFINITY, &progress)?;
-    bar.finish_and_clear();
+    drop(bar);
     let rates = rates(&mut benchmark.renderer, scene.pixels())?;
     let errors = match arguments.error {
         Some(count) => scene.compare(&mut benchmark, count)?,

@@ -1,15 +1,18 @@
 //! `diffract surface convert`: one format to another, after preparation if steps are given.
 
 use super::super::options::SurfaceOptions;
-use super::super::write;
+use super::super::{say, write};
 use super::report;
 use crate::error::Result;
 use crate::files::Files;
 use crate::surface::files::Topography;
-use crate::surface::files::write::{ScanFormat, write as write_surface};
+use crate::surface::files::write::{ScanFormat, rounding, write as write_surface};
 use clap::Args;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+
+/// Rounding of heights relative to their range from which a user is told: that of 16-bit codes, 1/2 of 1/65 535.
+const NOTABLE_ROUNDING: f64 = 8e-6;
 
 /// Arguments of `surface convert`.
 #[derive(Args, Debug)]
@@ -43,6 +46,14 @@ pub fn run(arguments: &Convert) -> Result<()> {
 /// Writes `scan` and prints the options that read it back.
 pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
     write_surface(path, format, scan)?;
+    let lost = rounding(format, scan);
+    if lost > NOTABLE_ROUNDING {
+        say(&format_args!(
+            "{}: 32-bit floats round the heights by up to {lost:.1e} of their range, because they stand on a large offset; --level mean takes the offset \
+             away, and .gwy, .npy, .txt and .x3p hold every digit",
+            path.display()
+        ));
+    }
     let hint = if format.has_scale() {
         String::new()
     } else {

@@ -1,6 +1,7 @@
 //! Colours of a surface over all directions: an overview for the page of `surface info`, computed on the CPU.
 
 use crate::cli::brdf::map::{HemisphereMap, views};
+use crate::cli::progress::Progress;
 use crate::error::Result;
 use crate::figure::{Mark, MarkShape, Panel, Raster, palette};
 use crate::filter::Covariance;
@@ -69,7 +70,9 @@ fn table(field: &HeightField) -> Result<ColorTable> {
         memory_limit: MEMORY,
         ..TableSettings::new(Illuminant::D65, TOLERANCE)
     };
-    bake(&OrderSeries::new(field, &powers, &|_, _| Ok(()))?, &colours, &|_, _| Ok(()))
+    let bar = Progress::new("orders", "a part of the surface (--crop)");
+    let series = OrderSeries::new(field, &powers, &|done, of| bar.show("orders", done, of))?;
+    bake(&series, &colours, &|done, of| bar.show("colours", done, of))
 }
 
 /// Returns `field`, or the middle of a large one.

@@ -7,6 +7,7 @@ pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
 use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, coherence, ior, tolerance};
+use super::progress::Progress;
 use super::remedies::in_options;
 use super::{prepare, say, write};
 use crate::error::{Error, Result};
@@ -144,10 +145,10 @@ impl<'a> TradeSweep<'a> {
 
     fn measure_settings(&mut self) -> Result<()> {
         let settings = settings(self.arguments.quick);
-        let bar = prepare::progress_bar("settings");
-        bar.set_length(settings.len() as u64);
+        let bar = Progress::new("settings", "--quick");
+        let count = settings.len();
         for (done, flags) in settings.into_iter().enumerate() {
-            bar.set_position(done as u64);
+            bar.show("settings", done, count)?;
             if self.rows.iter().any(|row| row.flags == flags) {
                 continue;
             }
@@ -156,7 +157,6 @@ impl<'a> TradeSweep<'a> {
                 Err(error) => self.impossible.push((flags, in_options(&error))),
             }
         }
-        bar.finish_and_clear();
         Ok(())
     }
 

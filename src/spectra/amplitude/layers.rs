@@ -276,7 +276,7 @@ fn interpolation(settings: &LayerSettings) -> Result<(Interpolation, f64)> {
             format!(
                 "spectra of any size that is sensible leave more than {budget:.0e} between their samples"
             ),
-            [Remedy::LargerTolerance, Remedy::ReferenceMethod],
+            [Remedy::TimesTolerance(error / budget), Remedy::ReferenceMethod],
         ));
     }
     Ok((interpolation, error))
@@ -290,7 +290,11 @@ fn beyond_32_bits(settings: &LayerSettings, error: f64) -> Error {
             settings.basis.name(),
             settings.budget.expansion
         ),
-        [Remedy::LargerTolerance, Remedy::OptimalBasis, Remedy::ReferenceMethod],
+        [
+            Remedy::TimesTolerance(error / settings.budget.expansion),
+            Remedy::OptimalBasis,
+            Remedy::ReferenceMethod,
+        ],
     )
 }
 

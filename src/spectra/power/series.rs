@@ -120,7 +120,7 @@ impl OrderSeries {
                         "{terms} terms in z leave a relative error of {:.1e} on this surface",
                         series.error
                     ),
-                    [Remedy::LargerTolerance, Remedy::ReferenceMethod],
+                    [Remedy::TimesTolerance(series.error / settings.error), Remedy::ReferenceMethod],
                 ));
             }
             terms = (terms + TERMS_AT_ONCE).min(MOST_TERMS);

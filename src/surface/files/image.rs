@@ -5,7 +5,7 @@
 
 use super::super::{HeightField, MAX_SIDE};
 use super::scan::{Channel, Quantity, Scan};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::{memory, output};
 use image::error::{ImageError, LimitErrorKind};
 use image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, Limits, codecs};
@@ -73,8 +73,9 @@ pub fn write(path: &Path, field: &HeightField) -> Result<f64> {
         .ok_or_else(|| Error::failed("the heights do not fill their grid", "report this"))?;
     let picture = DynamicImage::ImageLuma16(picture);
     output::write_atomically(path, |file| {
-        picture.write_to(file, format).map_err(|e| {
-            Error::failed(format!("{}: cannot write: {e}", path.display()), "check the free space")
+        picture.write_to(file, format).map_err(|e| match e {
+            ImageError::IoError(e) => output::write_failed(path, &e),
+            e => Error::failed(format!("cannot write: {e}"), "report this as a bug of diffract").at(path.display()),
         })
     })?;
     Ok(full_height)
@@ -222,7 +223,7 @@ fn explain(cause: &ImageError) -> Error {
             Error::failed("takes more memory to decode than its pixels explain", "save the image again")
         }
         ImageError::IoError(e) => {
-            Error::failed(format!("is cut short or cannot be read: {e}"), "save or copy the image again")
+            Error::failed(format!("is cut short or cannot be read: {}", error::cause(e)), "save or copy the image again")
         }
         _ => Error::failed(format!("is damaged: {cause}"), "save or copy the image again"),
     }

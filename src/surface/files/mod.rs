@@ -31,8 +31,9 @@ pub mod x3p;
 pub mod xyz;
 
 use super::HeightField;
-use crate::error::{Error, Remedy, Result};
+use crate::error::{self, Error, Remedy, Result};
 use crate::{input, memory};
+use plausible::HeightScale;
 use scan::{Quantity, Scan};
 use sidecar::Sidecar;
 use std::io::Read;
@@ -107,7 +108,7 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     // The file may grow while it is read, so the limit applies to the read bytes as well.
     file.take(MAX_FILE)
         .read_to_end(&mut bytes)
-        .map_err(|e| at(Error::failed(format!("cannot be read: {e}"), "check the disk")))?;
+        .map_err(|e| at(Error::failed(format!("cannot be read: {}", error::cause(&e)), "check the disk")))?;
     Ok(bytes)
 }
 
@@ -215,7 +216,8 @@ fn assemble(
     };
     let origin = ScanOrigin { format: scan.format, channels, chosen, quantisation, warnings: Vec::new() };
     let mut topography = Topography::new(size, spacing, samples, unit, Some(origin))?;
-    topography.warn(notes);
+    let scale = if settings.height.is_some() { HeightScale::Given } else { HeightScale::File };
+    topography.warn(notes, scale);
     Ok(topography)
 }
 

@@ -7,12 +7,18 @@ const HIGHEST: f64 = 1e-3;
 /// Plausible ranges of heights relative to the longer side of the patch: from a polished mirror's to a deep trench's.
 const RELIEFS: (f64, f64) = (1e-7, 3.0);
 
-/// End of a question about heights, which is not asked if the user gives the full height.
-pub const OVERRIDDEN_BY_HEIGHT: &str = "(a full height overrides it)";
+/// Who says how high a surface is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeightScale {
+    /// The file.
+    File,
+    /// The user.
+    Given,
+}
 
 /// Returns a question about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range of
-/// `range` \[m\].
-pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String> {
+/// `range` \[m\] by `scale`.
+pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64, scale: HeightScale) -> Vec<String> {
     let mut questions = Vec::new();
     if spacing.iter().any(|d| !(SPACINGS.0..=SPACINGS.1).contains(d)) {
         let [x, y] = spacing.map(in_words);
@@ -24,9 +30,11 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64) -> Vec<String>
     let relief = range / side;
     if range > HIGHEST || range > 0.0 && !(RELIEFS.0..=RELIEFS.1).contains(&relief) {
         let (range, side) = (in_words(range), in_words(side));
-        questions.push(format!(
-            "heights span {range} over a patch of {side}: is their unit right? {OVERRIDDEN_BY_HEIGHT}"
-        ));
+        let question = match scale {
+            HeightScale::File => "is their unit right? (a full height overrides it)",
+            HeightScale::Given => "is the full height right that was given?",
+        };
+        questions.push(format!("heights span {range} over a patch of {side}: {question}"));
     }
     questions
 }
@@ -62,12 +70,12 @@ mod tests {
             (4096, 1e-6, 1e-9),
         ] {
             assert_eq!(
-                questions([count, count], [spacing; 2], range),
+                questions([count, count], [spacing; 2], range, HeightScale::File),
                 Vec::<String>::new(),
                 "{spacing} {range}"
             );
         }
-        assert!(questions([9, 9], [1e-8; 2], 0.0).is_empty(), "a flat field is no question of units");
+        assert!(questions([9, 9], [1e-8; 2], 0.0, HeightScale::Given).is_empty(), "a flat field is no question of units");
     }
 
     #[test]
@@ -81,9 +89,16 @@ mod tests {
             (512, 97.66e-9, 434.7e-6),
             (500, 1e-6, 1e-12),
         ] {
-            assert!(!questions([count, count], [spacing; 2], range).is_empty(), "{spacing} {range}");
+            assert!(!questions([count, count], [spacing; 2], range, HeightScale::File).is_empty(), "{spacing} {range}");
         }
-        let said = questions([3, 4], [4.1133e-6, 1.4e-6], 15.0).concat();
+        let said = questions([3, 4], [4.1133e-6, 1.4e-6], 15.0, HeightScale::File).concat();
         assert!(said.contains("15.0000 m") && said.contains("12.3399 um"), "{said}");
+    }
+
+    #[test]
+    fn a_height_that_a_user_gives_is_questioned_as_such() {
+        let said = questions([512; 2], [97.66e-9; 2], 434.7e-6, HeightScale::Given).concat();
+        assert!(said.contains("434.7000 um") && said.contains("full height"), "{said}");
+        assert!(questions([512; 2], [97.66e-9; 2], 434.7e-9, HeightScale::Given).is_empty());
     }
 }

@@ -8,7 +8,7 @@ use super::bytes::damaged;
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::topography::Topography;
 use super::{image, park, units};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::memory;
 use ::tiff::decoder::ifd::Value;
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
@@ -117,7 +117,7 @@ fn explain(cause: &TiffError) -> Error {
             Error::failed("takes more memory to decode than its pixels explain", "save the image again")
         }
         TiffError::IoError(e) => {
-            Error::failed(format!("is cut short or cannot be read: {e}"), "save or copy the image again")
+            Error::failed(format!("is cut short or cannot be read: {}", error::cause(e)), "save or copy the image again")
         }
         _ => damaged(cause),
     }
@@ -239,7 +239,10 @@ pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> Result<()> {
         image.encoder().write_tag(Tag::ImageDescription, format!("{OWN}{dx:e} x {dy:e}").as_str())?;
         image.write_data(&heights)
     };
-    write().map_err(|e: TiffError| Error::failed(format!("cannot write: {e}"), "check the free space"))
+    write().map_err(|e: TiffError| {
+        let cause = if let TiffError::IoError(e) = &e { error::cause(e) } else { e.to_string() };
+        Error::failed(format!("cannot write: {cause}"), "check the free space")
+    })
 }
 
 /// Returns the best fraction of 32-bit numbers for `x`, by its continued fraction.

@@ -1,7 +1,8 @@
 //! One channel of a file as heights, with its origin.
 
 use super::super::HeightField;
-use super::{invalid, plausible};
+use super::invalid;
+use super::plausible::{self, HeightScale};
 use crate::error::{Error, Result};
 use crate::memory;
 
@@ -133,11 +134,16 @@ impl Topography {
         self.origin.as_ref()
     }
 
-    /// Adds warnings to the origin: the `notes` of the reader, and questions about implausible scales.
-    pub(super) fn warn(&mut self, notes: Vec<String>) {
+    /// Returns questions about implausible scales, with the heights by `scale`.
+    pub fn questions(&self, scale: HeightScale) -> Vec<String> {
         let [low, high] = self.summary().range;
+        plausible::questions(self.size, self.spacing, high - low, scale)
+    }
+
+    /// Adds warnings to the origin: the `notes` of the reader, and questions about implausible scales, with the heights by `scale`.
+    pub(super) fn warn(&mut self, notes: Vec<String>, scale: HeightScale) {
         let mut warnings = notes;
-        warnings.extend(plausible::questions(self.size, self.spacing, high - low));
+        warnings.extend(self.questions(scale));
         if self.missing > 0 {
             let (missing, count) = (self.missing, self.samples.len());
             warnings.push(format!(

@@ -53,6 +53,17 @@ impl ScanFormat {
     }
 }
 
+/// Returns the largest error by which `format` rounds the heights of `scan`, relative to their range: small heights on a large offset lose digits. It is 0 for
+/// formats that hold every digit, and for equal heights.
+pub fn rounding(format: ScanFormat, scan: &Topography) -> f64 {
+    let [low, high] = scan.summary().range;
+    if !format.is_single() || high <= low {
+        return 0.0;
+    }
+    let errors = scan.metres().filter(|h| !h.is_nan()).map(|h| (h - f64::from(h as f32)).abs());
+    errors.fold(0.0, f64::max) / (high - low)
+}
+
 /// Writes `scan` to `path`, whole or not at all.
 ///
 /// # Errors
@@ -82,4 +93,27 @@ pub fn write(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
             ScanFormat::X3p => x3p::write(scan, file).map_err(failed),
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::HeightField;
+
+    #[test]
+    fn heights_on_a_large_offset_lose_digits_in_single_precision_alone() {
+        let scan = |offset: f64| {
+            let heights = (0..64).map(|i| offset + 0.1 * (f64::from(i) * 0.618_034).fract()).collect();
+            Topography::of(HeightField::new(8, 8, [0.1; 2], heights).unwrap())
+        };
+        for format in [ScanFormat::Gsf, ScanFormat::Tiff] {
+            assert!(rounding(format, &scan(0.0)) < 1e-7);
+            // A metre in units of 2⁻²⁴ m, over 0.1 µm.
+            let lost = rounding(format, &scan(0.9e6));
+            assert!((0.1..0.6).contains(&lost), "{lost}");
+        }
+        assert_eq!(rounding(ScanFormat::Npy, &scan(0.9e6)), 0.0);
+        let flat = HeightField::new(2, 2, [0.1; 2], vec![1e6; 4]).unwrap();
+        assert_eq!(rounding(ScanFormat::Gsf, &Topography::of(flat)), 0.0);
+    }
 }

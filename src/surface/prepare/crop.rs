@@ -23,7 +23,7 @@ impl Crop {
         let fields: Vec<&str> = text.split('+').collect();
         let (size, corner) = match fields[..] {
             [size] => (size, None),
-            [size, x, y] => (size, Some([offset(x)?, offset(y)?])),
+            [size, x, y] => (size, Some([units::length_or_zero(x)?, units::length_or_zero(y)?])),
             _ => return Err(Error::usage(format!("`{text}` is not a rectangle"), FORM)),
         };
         Ok(Self { size: units::length_pair(size)?, corner })
@@ -55,12 +55,6 @@ impl Crop {
         }
         Ok((kept as usize, first as usize))
     }
-}
-
-/// Parses the distance of a corner from the corner of the field: a length that may be 0.
-fn offset(text: &str) -> Result<f64> {
-    let zero = ["0nm", "0um", "0mm"].contains(&text.trim());
-    if zero { Ok(0.0) } else { units::length(text) }
 }
 
 impl fmt::Display for Crop {

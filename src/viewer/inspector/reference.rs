@@ -2,7 +2,7 @@
 //! settings change.
 
 use super::reading::{LightAt, Reading};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::render::reference_picture::PixelReference;
 use crate::viewer::prepared::Prepared;
@@ -64,7 +64,7 @@ impl DirectionReference {
             }
         };
         std::thread::Builder::new().name("inspector".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread ({e})"), "close other programs")
+            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
         })?;
         Ok(Self { readings, stop })
     }

@@ -1,7 +1,7 @@
 //! One-off actions of the user: reset, open, save, measure.
 
 use super::{PendingSave, Tried, ViewerWindow};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::scene::Scene;
 use crate::surface::SurfaceSource;
 use crate::surface::synth::SurfaceKind;
@@ -242,7 +242,7 @@ impl ViewerWindow {
             let _ = proxy.send_event(work()); // fails after the end of the event loop
         };
         if let Err(e) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
-            let error = Error::failed(format!("the system refuses a thread ({e})"), "try again");
+            let error = Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "try again");
             self.model.report(Concern::Setting, &error);
         }
         self.window.request_redraw();

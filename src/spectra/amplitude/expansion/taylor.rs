@@ -80,7 +80,7 @@ pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
                  cancel, and 32-bit floats leave {rounding:.1e} of that",
                 x.exp()
             ),
-            [Remedy::OptimalBasis, Remedy::LargerTolerance, Remedy::LevelPlane],
+            [Remedy::OptimalBasis, Remedy::TimesTolerance(rounding / tolerance), Remedy::LevelPlane],
         ));
     }
     let mut term = 1.0;
@@ -92,7 +92,7 @@ pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
     }
     Err(Error::failed(
         format!("no number of Taylor terms leaves room for rounding within {tolerance:.1e}"),
-        Remedy::LargerTolerance,
+        [Remedy::OptimalBasis, Remedy::LargerTolerance],
     ))
 }
 
