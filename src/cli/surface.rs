@@ -1,5 +1,6 @@
 //! `diffract surface`: statistics of height fields, conversion of formats, and generated surfaces.
 
+mod compare;
 mod convert;
 mod report;
 
@@ -35,6 +36,8 @@ use std::path::PathBuf;
 pub enum Command {
     /// Statistics of a height field, and the cost of its optics
     Info(Info),
+    /// Statistics and predicted colours of several height fields beside each other
+    Compare(compare::Compare),
     /// Write a height field, prepared if asked, in another format
     Convert(convert::Convert),
     /// Write a generated height field to a file
@@ -109,6 +112,7 @@ fn kind(name: &str) -> Result<SurfaceKind> {
 pub fn run(command: &Command) -> Result<()> {
     match command {
         Command::Info(arguments) => info(arguments),
+        Command::Compare(arguments) => compare::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Synth(arguments) => synthesise(arguments),
     }

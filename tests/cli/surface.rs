@@ -268,7 +268,10 @@ fn a_height_that_no_surface_has_is_questioned_whoever_says_it() {
 fn heights_that_32_bit_floats_round_are_told_by_the_formats_that_have_them_alone() {
     let sandbox = Sandbox::new();
     let rows: String = (0..4).map(|i| format!("{}\t{}\n", 1.0 + f64::from(i) * 1e-7, 1.0 + 3e-8)).collect();
-    sandbox.write("high.txt", format!("# Channel: Topo\n# Width: 20 nm\n# Height: 80 nm\n# Value units: m\n{rows}"));
+    sandbox.write(
+        "high.txt",
+        format!("# Channel: Topo\n# Width: 20 nm\n# Height: 80 nm\n# Value units: m\n{rows}"),
+    );
     let told = |output: &str, more: &[&str]| {
         let outcome = sandbox.run2(&["surface", "convert", "high.txt", "-o", output], more);
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
@@ -287,4 +290,62 @@ fn the_corner_of_a_crop_may_be_zero_in_any_form() {
         assert_eq!(cropped(crop), expected, "{crop}");
     }
     sandbox.run(["surface", "info", "blaze", "--crop", "0.0um+0um+1um"]).refused(2);
+}
+
+#[test]
+fn surfaces_are_compared_in_a_row_each_with_the_numbers_of_the_other_commands() {
+    let sandbox = Sandbox::new();
+    for (name, height) in [("a.gsf", "100nm"), ("b.gsf", "140nm")] {
+        let make = ["surface", "synth", "sinusoid", "--patch", "12um", "--height", height, "-o", name];
+        assert_eq!(sandbox.run(make).code, Some(0));
+    }
+    let ask = ["--aspecular", "25,60", "--aperture", "0deg", "--illuminant", "d50"];
+    let compare = ["surface", "compare", "a.gsf", "b.gsf", "--plot", "c.svg"];
+    let csv = sandbox.run2(&compare, &ask).done();
+    let lines: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let cell = |row: usize, name: &str| {
+        let place = lines[0].iter().position(|column| *column == name).unwrap_or_else(|| panic!("{csv}"));
+        lines[row][place]
+    };
+    let number = |row: usize, name: &str| cell(row, name).parse::<f64>().unwrap();
+    assert_eq!((cell(1, "surface"), cell(2, "surface"), lines.len()), ("a.gsf", "b.gsf", 3));
+    assert!((number(1, "range") - 100.0).abs() < 1.0 && (number(2, "range") - 140.0).abs() < 1.5, "{csv}");
+    assert!((number(2, "Sq") / number(1, "Sq") - 1.4).abs() < 1e-3, "{csv}");
+    assert_eq!((cell(1, "method"), number(1, "dE_45as25")), ("line", 0.0));
+    assert!(number(2, "dE_45as25") > 0.5, "{csv}");
+    let info: serde_json::Value =
+        serde_json::from_str(&sandbox.run(["surface", "info", "b.gsf", "--json"]).done()).unwrap();
+    let period = info["statistics"]["periods"][0]["length_m"].as_f64().unwrap();
+    assert!((number(2, "period") / (1e9 * period) - 1.0).abs() < 1e-5, "{csv}");
+    let colour = sandbox.run2(&["colour", "b.gsf", "--light", "45"], &ask).done();
+    let read: Vec<f64> =
+        colour.lines().nth(1).unwrap().split(',').skip(8).take(3).map(|x| x.parse().unwrap()).collect();
+    for (name, value) in ["L_45as25", "a_45as25", "b_45as25"].into_iter().zip(read) {
+        assert!((number(2, name) - value).abs() < 2e-3, "{name}: {csv}");
+    }
+    let svg = String::from_utf8(sandbox.read("c.svg")).unwrap();
+    assert!(svg.contains("a.gsf") && svg.contains("b.gsf"));
+}
+
+#[test]
+fn a_folder_is_compared_without_what_is_no_height_field() {
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.path("scans")).unwrap();
+    for name in ["scans/b.gsf", "scans/a.gsf"] {
+        let make = ["surface", "synth", "sinusoid", "--patch", "6um", "-o", name];
+        assert_eq!(sandbox.run(make).code, Some(0));
+    }
+    sandbox.write("scans/notes.txt", "nothing");
+    sandbox.write("scans/page.html", "nothing");
+    let outcome = sandbox.run(["surface", "compare", "scans", "--aspecular", "45", "--aperture", "0deg"]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let names: Vec<&str> =
+        outcome.stdout.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(names, ["scans/a.gsf", "scans/b.gsf"]);
+    assert!(outcome.stderr.contains("left out: scans/notes.txt"), "{outcome:?}");
+    assert!(!outcome.stderr.contains("page.html"), "{outcome:?}");
+    let no_scan = sandbox.run(["surface", "compare", "scans/notes.txt"]);
+    assert_ne!(no_scan.code, Some(0));
+    std::fs::create_dir(sandbox.path("empty")).unwrap();
+    assert!(sandbox.run(["surface", "compare", "empty"]).stderr.contains("holds no height fields"));
 }

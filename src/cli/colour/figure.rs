@@ -1,6 +1,7 @@
 //! Colours by angle as a labelled figure: where they lie in CIELAB, how light they are, and their spectra.
 
-use super::{AngleReading, Arguments};
+use super::Arguments;
+use super::readings::AngleReading;
 use crate::cli::captions;
 use crate::figure::{Axis, AxisScale, Color, Figure, Mark, MarkShape, Panel, palette};
 use crate::surface::HeightField;

@@ -44,6 +44,14 @@ pub enum PeriodMethod {
 }
 
 impl PeriodMethod {
+    /// Returns the name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Band => "band",
+        }
+    }
+
     /// Returns the method in words, for `surface info`.
     pub fn words(self) -> &'static str {
         match self {
