@@ -26,9 +26,21 @@ fn least(mut tolerance: f64, mut growth: f64, mut attempt: impl FnMut(f64) -> Re
             return None;
         }
         match attempt(next) {
-            Ok(()) => return Some(next),
+            Ok(()) => return Some(least_below(next, tolerance, attempt)),
             Err(refusal) => (tolerance, growth) = (next, self::growth(&refusal)?),
         }
+    }
+}
+
+/// Returns the least tolerance of one digit that `attempt` accepts, from the `accepted` one down to the `refused` one: a growth is an estimate, because what is
+/// made for a larger tolerance errs by a little more or less.
+fn least_below(mut accepted: f64, refused: f64, mut attempt: impl FnMut(f64) -> Result<()>) -> f64 {
+    loop {
+        let next = next_below(accepted);
+        if next <= refused || attempt(next).is_err() {
+            return accepted;
+        }
+        accepted = next;
     }
 }
 
@@ -44,8 +56,18 @@ fn growth(error: &Error) -> Option<f64> {
 /// Returns the least number of one significant digit that is at least `tolerance`, exactly as a parser reads it.
 fn rounded_up(tolerance: f64) -> f64 {
     let decade = tolerance.log10().floor() as i32;
-    let digit = (tolerance * 10f64.powi(-decade) / STEP).ceil();
-    // Powers of 10 are exact, their inverses are not.
+    of_digit((tolerance * 10f64.powi(-decade) / STEP).ceil(), decade)
+}
+
+/// Returns the number of one digit below the `tolerance` of one digit.
+fn next_below(tolerance: f64) -> f64 {
+    let decade = (tolerance * STEP).log10().floor() as i32;
+    let digit = (tolerance * 10f64.powi(-decade)).round();
+    if digit > 1.0 { of_digit(digit - 1.0, decade) } else { of_digit(9.0, decade - 1) }
+}
+
+/// Returns digit · 10^decade. Powers of 10 are exact, their inverses are not.
+fn of_digit(digit: f64, decade: i32) -> f64 {
     if decade < 0 { digit / 10f64.powi(-decade) } else { digit * 10f64.powi(decade) }
 }
 
@@ -72,6 +94,21 @@ mod tests {
                 let Remedy::Tolerance(tolerance) = error.remedies()[0] else { panic!("{error}") };
                 assert_eq!(named.parse(), Ok(tolerance), "as typed");
             }
+        }
+    }
+
+    #[test]
+    fn a_growth_that_is_too_large_does_not_hide_a_smaller_tolerance() {
+        let refusal = Error::failed("too small", Remedy::TimesTolerance(9.5));
+        let error = with_least(refusal, 1e-2, request(0.031, true));
+        assert_eq!(error.remedies(), [Remedy::Tolerance(4e-2)]);
+    }
+
+    #[test]
+    fn tolerances_of_one_digit_follow_each_other() {
+        for (tolerance, below) in [(5e-2, 4e-2), (2e-1, 1e-1), (1e-2, 9e-3), (1.0, 0.9), (1e-3, 9e-4)] {
+            assert_eq!(next_below(tolerance), below);
+            assert_eq!((rounded_up(tolerance), rounded_up(0.999 * tolerance)), (tolerance, tolerance));
         }
     }
 

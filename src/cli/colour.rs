@@ -71,7 +71,7 @@ pub struct Arguments {
     #[arg(long, value_name = "ANGLE", value_parser = aperture, default_value = "0deg")]
     aperture: f64,
     /// Write the radiance factors every 5 nm too: CSV, a column for each direction
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     spectrum: Option<PathBuf>,
     /// Output file, instead of stdout
     #[arg(short, long, value_name = "FILE")]
@@ -80,7 +80,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Write the answer as JSON too
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     json: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceOptions,

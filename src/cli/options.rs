@@ -70,7 +70,7 @@ impl ValueEnum for Method {
 #[command(next_help_heading = "Optics")]
 pub struct OpticsOptions {
     /// Method of the optics [default: table for pictures of the mean, else spectral]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, hide_short_help = true)]
     pub method: Option<Method>,
     /// Expansion of one window's spectra (--windows 1x1): taylor (the thesis') or optimal (fewest terms) [default: optimal for pictures;
     /// else taylor if 32-bit floats hold it]
@@ -84,7 +84,7 @@ pub struct OpticsOptions {
     #[arg(long, value_name = "N", value_parser = terms, allow_hyphen_values = true, hide_short_help = true)]
     pub terms: Option<usize>,
     /// Coherence of the light: gaussian:LENGTH, or grating:NxM for a finite grating of that many copies of the patch (also repeats:NxM)
-    #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
+    #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um", hide_short_help = true)]
     pub coherence: Coherence,
     /// Positions of the coherence window to average over: all (as a pixel does), 1x1 (the thesis' single window, which shows speckle) or
     /// NxM of them [default: all; 1x1 for a finite grating]
@@ -257,7 +257,7 @@ fn tell_of_missing_light(illuminant: &Illuminant) {
 #[command(next_help_heading = "Device")]
 pub struct DeviceOptions {
     /// Vulkan device: a part of its name, its number in `diffract devices`, or cpu for a software one
-    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = DeviceChoice::parse)]
+    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = DeviceChoice::parse, hide_short_help = true)]
     pub device: Option<DeviceChoice>,
 }
 

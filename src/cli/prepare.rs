@@ -10,6 +10,7 @@ use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
 use crate::render::source::Source;
 use crate::scene::Scene;
+use crate::settings::Method;
 use crate::setup::{self, InUse, SourceSettings};
 use crate::surface::HeightField;
 use crate::vk::device::Device;
@@ -106,7 +107,9 @@ pub fn for_each_window(
         }
         Ok(())
     };
-    let [n, m] = settings.optics.windows.grid().unwrap_or([1, 1]);
+    // The reference averages over windows by itself.
+    let grid = settings.optics.windows.grid().filter(|_| settings.optics.method != Method::Reference);
+    let [n, m] = grid.unwrap_or([1, 1]);
     let windows = Progress::without_bar("windows", "a smaller number of --windows", (n * m) as usize);
     windows.add(0);
     let ask_and_count = |brdf: &mut dyn Brdf, share: f64| {

@@ -255,8 +255,8 @@ fn draw(
         shown.exposure = told_exposure(measured, scene);
         prepared.show(shown);
     }
-    scale::tell(prepared.renderer(), &first.view, scene, optics.coherence)?;
-    let progress = PictureProgress::over(shots.len(), if reference { "pixels" } else { "samples" });
+    scale::tell(prepared.renderer(), &first.view, scene, optics.coherence, settings.sampling.count)?;
+    let progress = SequenceProgress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let told = |done, of| progress.show(number, done, of);
         let picture = match &rays {
@@ -282,13 +282,13 @@ fn draw(
 }
 
 /// Progress over all pictures.
-struct PictureProgress {
+struct SequenceProgress {
     bar: Progress,
     parts: &'static str,
     pictures: usize,
 }
 
-impl PictureProgress {
+impl SequenceProgress {
     /// Returns the bar of so many pictures, each of which consists of `parts`.
     fn over(pictures: usize, parts: &'static str) -> Self {
         Self {

@@ -13,11 +13,20 @@ use crate::scene::Scene;
 const FEWEST: f64 = 10.0;
 const MICROMETRES_PER_METRE: f64 = 1e6;
 
-/// Prints the number of coherence areas in the median covered pixel of `view`, and a warning if there are few.
+/// Pixels that the pixel filter, the quadratic B-spline B, averages over: 1/∫B² = 20/11 along each axis.
+const FILTERED_PIXELS: f64 = (20.0 / 11.0) * (20.0 / 11.0);
+
+/// Prints the number of coherence areas in the median covered pixel of `view`, and a warning if a pixel of a picture of these `samples` averages over few.
 ///
 /// # Errors
 /// A lost device.
-pub fn tell(renderer: &mut Renderer, view: &View, scene: &Scene, coherence: Coherence) -> Result<()> {
+pub fn tell(
+    renderer: &mut Renderer,
+    view: &View,
+    scene: &Scene,
+    coherence: Coherence,
+    samples: u32,
+) -> Result<()> {
     let Coherence::Gaussian { length } = coherence else { return Ok(()) };
     if quiet() || view.light_count() == 0 {
         return Ok(());
@@ -31,9 +40,11 @@ pub fn tell(renderer: &mut Renderer, view: &View, scene: &Scene, coherence: Cohe
         // Rounded to a nanometre: no unit is known better.
         (scene.unit * 1e9).round() / 1e9
     ));
-    if areas < FEWEST {
+    // A single sample is not filtered.
+    let averaged = if samples > 1 { FILTERED_PIXELS * areas } else { areas };
+    if averaged < FEWEST {
         say(&format_args!(
-            "a pixel shows {areas:.1} coherence areas of ({length} um)2 (median): with fewer than {FEWEST} the mean over them is not what is \
+            "a pixel averages over {averaged:.1} coherence areas of ({length} um)2 (median): with fewer than {FEWEST} the mean over them is not what is \
              seen; step back, take a smaller --size or a larger `scale` of the scene"
         ));
     }

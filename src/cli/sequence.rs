@@ -14,7 +14,7 @@ const MOST: i64 = 10_000;
 pub struct SequenceOptions {
     /// N pictures, once around: the camera turns about its target by 360/N degrees from each to the next, about the world's up. With `-o
     /// turn.png` the files are turn-0000.png, turn-0001.png and so on. Pictures that an earlier run finished are kept
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true, hide_short_help = true)]
     turntable: Option<u32>,
     /// N pictures, once around: all lights and the surroundings turn about the world's up by 360/N degrees from each to the next. Files as for --turntable
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST), allow_hyphen_values = true, hide_short_help = true)]

@@ -15,13 +15,50 @@ pub fn add(command: Command) -> Command {
     command.mut_args(summarised).after_help(CLOSING).after_long_help(whole)
 }
 
-/// Returns `argument` with the first sentence of its help in the short one.
+/// Returns `argument` with the beginning of its help in the short one.
 fn summarised(argument: Arg) -> Arg {
     let Some(whole) = argument.get_help().cloned() else { return argument };
-    match whole.to_string().split_once(". ") {
-        Some((first, _)) if argument.get_long_help().is_none() => {
-            argument.help(first.to_owned()).long_help(whole)
+    let text = whole.to_string();
+    let first = beginning(&text);
+    if first.len() == text.len() || argument.get_long_help().is_some() {
+        return argument;
+    }
+    argument.help(first.to_owned()).long_help(whole)
+}
+
+/// Returns `text` up to the first full stop, colon or semicolon outside of brackets.
+fn beginning(text: &str) -> &str {
+    let mut depth = 0;
+    for (place, character) in text.char_indices() {
+        match character {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth -= 1,
+            '.' | ':' | ';' if depth == 0 && text[place + 1..].starts_with(' ') => return &text[..place],
+            _ => {}
         }
-        _ => argument,
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_begins_up_to_the_first_stop_outside_of_brackets() {
+        for (text, first) in [
+            ("Samples a pixel: 1 to 4096; 1 looks at centres", "Samples a pixel"),
+            ("Exposure in stops. auto measures it", "Exposure in stops"),
+            (
+                "Method of the optics [default: table for pictures]",
+                "Method of the optics [default: table for pictures]",
+            ),
+            (
+                "Terms (--windows 1x1; else none), as in 2.5; more",
+                "Terms (--windows 1x1; else none), as in 2.5",
+            ),
+        ] {
+            assert_eq!(beginning(text), first);
+        }
     }
 }

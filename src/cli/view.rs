@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", value_parser = units::size, allow_hyphen_values = true, default_value = "1280x800")]
     size: [u32; 2],
     /// Samples a pixel that are summed while nothing moves, as by render: 1 to 4096; 1 looks at pixel centres only
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "64")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "64", hide_short_help = true)]
     samples: u32,
     /// Frames a second to keep up while something moves, by leaving work out
     #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true, default_value = "15", hide_short_help = true)]

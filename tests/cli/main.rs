@@ -31,6 +31,7 @@ mod scans;
 mod sequence;
 mod surface;
 mod table;
+mod tolerance;
 mod trade;
 mod usage;
 mod view;

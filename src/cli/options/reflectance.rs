@@ -18,7 +18,7 @@ const DEFAULT_IOR: f64 = 1.5;
 #[command(next_help_heading = "Optics")]
 pub struct ReflectanceOptions {
     /// Refractive index of the surface, at every wavelength [default: 1.5]
-    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true)]
+    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, hide_short_help = true)]
     pub ior: Option<f64>,
     /// Material of the surface, for Fresnel's equations at every wavelength: glass, keratin, aluminium, silver, gold, copper, nickel,
     /// silicon, or a CSV file of wavelength in nm, n and k

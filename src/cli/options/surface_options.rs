@@ -6,7 +6,7 @@ use crate::cli::say;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::surface::files::Topography;
-use crate::surface::files::plausible::HeightScale;
+use crate::surface::files::plausible::HeightSource;
 use crate::surface::synth::SurfaceKind;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::units;
@@ -28,7 +28,7 @@ pub struct SurfaceOptions {
     #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     pub height: Option<f64>,
     /// Channel of a file that has several, by name or number [default: the first height]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_short_help = true)]
     pub channel: Option<String>,
     /// Seed of a random built-in surface, and of the positions in a pixel of `--samples`
     #[arg(long, value_name = "N", value_parser = seed, allow_hyphen_values = true, default_value = "1", hide_short_help = true)]
@@ -61,7 +61,7 @@ impl SurfaceOptions {
         let warnings = match scan.origin() {
             Some(origin) => origin.warnings.clone(),
             // A generated surface is as high and as wide as asked.
-            None => scan.questions(HeightScale::Given),
+            None => scan.questions(HeightSource::Given),
         };
         for warning in warnings {
             say(&format_args!("{}: {warning}", source.name.display()));

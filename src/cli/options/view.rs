@@ -54,7 +54,7 @@ pub struct ViewOptions {
     #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true, hide_short_help = true)]
     pub field_of_view: Option<f64>,
     /// Background behind the mesh, instead of the scene's: a colour, linear sRGB from 0 to 1, or the surroundings. An EXR has none
-    #[arg(long, value_name = "R,G,B|surroundings", value_parser = Background::parse, allow_hyphen_values = true)]
+    #[arg(long, value_name = "R,G,B|surroundings", value_parser = Background::parse, allow_hyphen_values = true, hide_short_help = true)]
     pub background: Option<Background>,
     /// Albedo of the pigment, linear sRGB from 0 to 1, instead of the scene's
     #[arg(long, value_name = "R,G,B", value_parser = units::color, allow_hyphen_values = true, hide_short_help = true)]

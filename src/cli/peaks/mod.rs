@@ -70,7 +70,7 @@ pub struct Arguments {
     #[arg(long, value_name = "LO:HI:STEP", value_parser = angles, allow_hyphen_values = true)]
     angles: Range,
     /// Axis of the plane of incidence
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value_t, hide_short_help = true)]
     axis: TangentAxis,
     /// Order of diffraction assumed for the peak; several, as in 1,2,3, need --period
     #[arg(long, value_name = "M[,M...]", value_parser = orders, allow_hyphen_values = true, default_value = "1")]
@@ -82,7 +82,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write mean and standard deviation as JSON too
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     json: Option<PathBuf>,
     /// Draw a labelled figure of responses, peaks and the grating equation: .svg or .png
     #[arg(long, value_name = "FILE")]

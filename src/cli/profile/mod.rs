@@ -24,7 +24,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub benchmark: BenchmarkOptions,
     /// Write the numbers as JSON too
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     pub json: Option<PathBuf>,
     /// Frames to measure
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(3..=100_000), allow_hyphen_values = true)]
@@ -36,7 +36,7 @@ pub struct Arguments {
     #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
     pub fps: Option<f64>,
     /// Print the parts of the error
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub explain: bool,
 }
 

@@ -133,8 +133,7 @@ fn listed(named: &[OsString]) -> Result<Vec<(OsString, bool)>> {
             all.push((name.clone(), false));
             continue;
         }
-        let unread =
-            |e: std::io::Error| Error::failed(cause(&e), "check the path").at(path.display());
+        let unread = |e: std::io::Error| Error::failed(cause(&e), "check the path").at(path.display());
         let mut files = Vec::new();
         for entry in path.read_dir().map_err(unread)? {
             files.push(entry.map_err(unread)?.path());

@@ -55,13 +55,13 @@ pub struct Arguments {
     #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
     fps: Option<f64>,
     /// Coherence of the light: gaussian:LENGTH or grating:NxM
-    #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um")]
+    #[arg(long, value_name = "KIND", value_parser = coherence, default_value = "gaussian:65um", hide_short_help = true)]
     coherence: Coherence,
     /// Refractive index of the surface
-    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5")]
+    #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, default_value = "1.5", hide_short_help = true)]
     ior: f64,
     /// Spectrum of the light: d65, d50, a, e, led, or a CSV file of wavelength in nm and power
-    #[arg(long, value_name = "NAME|FILE", default_value = "d65")]
+    #[arg(long, value_name = "NAME|FILE", default_value = "d65", hide_short_help = true)]
     illuminant: OsString,
     #[command(flatten)]
     surface: SurfaceOptions,

@@ -33,7 +33,7 @@ pub mod xyz;
 use super::HeightField;
 use crate::error::{self, Error, Remedy, Result};
 use crate::{input, memory};
-use plausible::HeightScale;
+use plausible::HeightSource;
 use scan::{Quantity, Scan};
 use sidecar::Sidecar;
 use std::io::Read;
@@ -216,7 +216,7 @@ fn assemble(
     };
     let origin = ScanOrigin { format: scan.format, channels, chosen, quantisation, warnings: Vec::new() };
     let mut topography = Topography::new(size, spacing, samples, unit, Some(origin))?;
-    let scale = if settings.height.is_some() { HeightScale::Given } else { HeightScale::File };
+    let scale = if settings.height.is_some() { HeightSource::Given } else { HeightSource::File };
     topography.warn(notes, scale);
     Ok(topography)
 }

@@ -9,7 +9,7 @@ const RELIEFS: (f64, f64) = (1e-7, 3.0);
 
 /// Who says how high a surface is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HeightScale {
+pub enum HeightSource {
     /// The file.
     File,
     /// The user.
@@ -18,7 +18,7 @@ pub enum HeightScale {
 
 /// Returns a question about each scale that no surface of a microscope has: `size` samples, `spacing` apart \[m\], heights over a range of
 /// `range` \[m\] by `scale`.
-pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64, scale: HeightScale) -> Vec<String> {
+pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64, scale: HeightSource) -> Vec<String> {
     let mut questions = Vec::new();
     if spacing.iter().any(|d| !(SPACINGS.0..=SPACINGS.1).contains(d)) {
         let [x, y] = spacing.map(in_words);
@@ -31,8 +31,8 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64, scale: HeightS
     if range > HIGHEST || range > 0.0 && !(RELIEFS.0..=RELIEFS.1).contains(&relief) {
         let (range, side) = (in_words(range), in_words(side));
         let question = match scale {
-            HeightScale::File => "is their unit right? (a full height overrides it)",
-            HeightScale::Given => "is the full height right that was given?",
+            HeightSource::File => "is their unit right? (a full height overrides it)",
+            HeightSource::Given => "is the full height right that was given?",
         };
         questions.push(format!("heights span {range} over a patch of {side}: {question}"));
     }
@@ -70,13 +70,13 @@ mod tests {
             (4096, 1e-6, 1e-9),
         ] {
             assert_eq!(
-                questions([count, count], [spacing; 2], range, HeightScale::File),
+                questions([count, count], [spacing; 2], range, HeightSource::File),
                 Vec::<String>::new(),
                 "{spacing} {range}"
             );
         }
         assert!(
-            questions([9, 9], [1e-8; 2], 0.0, HeightScale::Given).is_empty(),
+            questions([9, 9], [1e-8; 2], 0.0, HeightSource::Given).is_empty(),
             "a flat field is no question of units"
         );
     }
@@ -93,18 +93,18 @@ mod tests {
             (500, 1e-6, 1e-12),
         ] {
             assert!(
-                !questions([count, count], [spacing; 2], range, HeightScale::File).is_empty(),
+                !questions([count, count], [spacing; 2], range, HeightSource::File).is_empty(),
                 "{spacing} {range}"
             );
         }
-        let said = questions([3, 4], [4.1133e-6, 1.4e-6], 15.0, HeightScale::File).concat();
+        let said = questions([3, 4], [4.1133e-6, 1.4e-6], 15.0, HeightSource::File).concat();
         assert!(said.contains("15.0000 m") && said.contains("12.3399 um"), "{said}");
     }
 
     #[test]
     fn a_height_that_a_user_gives_is_questioned_as_such() {
-        let said = questions([512; 2], [97.66e-9; 2], 434.7e-6, HeightScale::Given).concat();
+        let said = questions([512; 2], [97.66e-9; 2], 434.7e-6, HeightSource::Given).concat();
         assert!(said.contains("434.7000 um") && said.contains("full height"), "{said}");
-        assert!(questions([512; 2], [97.66e-9; 2], 434.7e-9, HeightScale::Given).is_empty());
+        assert!(questions([512; 2], [97.66e-9; 2], 434.7e-9, HeightSource::Given).is_empty());
     }
 }

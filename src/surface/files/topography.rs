@@ -2,7 +2,7 @@
 
 use super::super::HeightField;
 use super::invalid;
-use super::plausible::{self, HeightScale};
+use super::plausible::{self, HeightSource};
 use crate::error::{Error, Result};
 use crate::memory;
 
@@ -135,13 +135,13 @@ impl Topography {
     }
 
     /// Returns questions about implausible scales, with the heights by `scale`.
-    pub fn questions(&self, scale: HeightScale) -> Vec<String> {
+    pub fn questions(&self, scale: HeightSource) -> Vec<String> {
         let [low, high] = self.summary().range;
         plausible::questions(self.size, self.spacing, high - low, scale)
     }
 
     /// Adds warnings to the origin: the `notes` of the reader, and questions about implausible scales, with the heights by `scale`.
-    pub(super) fn warn(&mut self, notes: Vec<String>, scale: HeightScale) {
+    pub(super) fn warn(&mut self, notes: Vec<String>, scale: HeightSource) {
         let mut warnings = notes;
         warnings.extend(self.questions(scale));
         if self.missing > 0 {
