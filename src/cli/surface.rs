@@ -37,7 +37,7 @@ pub enum Command {
     /// Statistics of a height field, and the cost of its optics
     Info(Info),
     /// Statistics and predicted colours of several height fields beside each other
-    Compare(compare::Compare),
+    Compare(compare::CompareArguments),
     /// Write a height field, prepared if asked, in another format
     Convert(convert::Convert),
     /// Write a generated height field to a file

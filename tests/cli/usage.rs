@@ -3,7 +3,7 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 20] = [
+pub const COMMANDS: [(&[&str], &str); 21] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
@@ -16,6 +16,7 @@ pub const COMMANDS: [(&[&str], &str); 20] = [
     (&["trade"], "--quick"),
     (&["surface"], "synth"),
     (&["surface", "info"], "--level"),
+    (&["surface", "compare"], "--aperture"),
     (&["surface", "convert"], "--channel"),
     (&["surface", "synth"], "--patch"),
     (&["cache"], "clear"),

@@ -32,7 +32,7 @@ Examples:
   diffract surface compare male.gsf female.gsf --level plane -o compared.csv --plot spectra.svg
   diffract surface compare scans/ --level plane --destripe -o scans.csv"
 )]
-pub struct Compare {
+pub struct CompareArguments {
     /// Height fields: files, built-in names, or folders of files
     #[arg(required = true)]
     surfaces: Vec<OsString>,
@@ -81,7 +81,7 @@ struct ComparedSurface {
 }
 
 /// Measures the surfaces and writes them.
-pub fn run(arguments: &Compare) -> Result<()> {
+pub fn run(arguments: &CompareArguments) -> Result<()> {
     arguments.cache.apply();
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     if arguments.surface.surface.is_some() {
@@ -161,7 +161,7 @@ fn listed(named: &[OsString]) -> Result<Vec<(OsString, bool)>> {
 
 impl ComparedSurface {
     /// Loads and measures the surface `name`, and answers the readings that are `asked`.
-    fn of(arguments: &Compare, name: &OsString, asked: &[AngleReading]) -> Result<Self> {
+    fn of(arguments: &CompareArguments, name: &OsString, asked: &[AngleReading]) -> Result<Self> {
         let field = arguments.surface.load(Some(name.as_os_str()), None, "")?;
         let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
         let detector = Detector { aperture: arguments.aperture, wavelengths: &[] };
