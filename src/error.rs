@@ -81,7 +81,9 @@ pub enum Remedy {
 impl fmt::Display for Remedy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::TimesTolerance(growth) => return write!(f, "ask for a tolerance {growth:.1} times as large"),
+            Self::TimesTolerance(growth) => {
+                return write!(f, "ask for a tolerance {growth:.1} times as large");
+            }
             Self::Tolerance(tolerance) => return write!(f, "ask for a tolerance of {tolerance:e}"),
             Self::Words(words) => words,
             Self::LargerTolerance => "ask for a larger tolerance",
@@ -181,7 +183,8 @@ impl Error {
     /// Returns the same error with the tolerance `least` in place of a larger one; without it if there is none.
     #[must_use]
     pub fn with_tolerance(mut self, least: Option<f64>) -> Self {
-        let is_larger = |remedy: &Remedy| matches!(remedy, Remedy::LargerTolerance | Remedy::TimesTolerance(_));
+        let is_larger =
+            |remedy: &Remedy| matches!(remedy, Remedy::LargerTolerance | Remedy::TimesTolerance(_));
         if let Some(least) = least {
             let replaced = |remedy| if is_larger(&remedy) { Remedy::Tolerance(least) } else { remedy };
             self.remedies = self.remedies.into_iter().map(replaced).collect();
@@ -244,7 +247,11 @@ pub fn cause(error: &io::Error) -> String {
         _ => return error.to_string().split(" (os error").next().unwrap_or_default().to_lowercase(),
     };
     // An error without a number is not the system's and has a text that is more precise.
-    if error.raw_os_error().is_some() || error.get_ref().is_none() { words.to_owned() } else { error.to_string() }
+    if error.raw_os_error().is_some() || error.get_ref().is_none() {
+        words.to_owned()
+    } else {
+        error.to_string()
+    }
 }
 
 /// Returns `text` as one plain line of readable length: file names and library messages may hold line breaks, control characters, or a

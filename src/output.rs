@@ -147,8 +147,11 @@ fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
 
 /// Returns the error for a write to `path` that the system refused.
 pub fn write_failed(path: &Path, cause: &io::Error) -> Error {
-    Error::failed(format!("cannot write: {}", error::cause(cause)), "check the free space and the permissions")
-        .at(path.display())
+    Error::failed(
+        format!("cannot write: {}", error::cause(cause)),
+        "check the free space and the permissions",
+    )
+    .at(path.display())
 }
 
 /// Returns the target of `path`, with links followed, unless it must not be replaced.

@@ -184,7 +184,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut spectra = vec![vec![0.0; cones.len()]; wavelengths.len()];
     prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
         let count: usize = cones.iter().map(|cone| cone.pairs.len()).sum();
-        let bar = Progress::new("directions", "a smaller number of readings").over(count * (1 + wavelengths.len()));
+        let bar =
+            Progress::new("directions", "a smaller number of readings").over(count * (1 + wavelengths.len()));
         for (place, cone) in cones.iter().enumerate() {
             colours[place] += cone.mean(brdf, None, &bar)? * share;
             for (spectrum, wavelength) in spectra.iter_mut().zip(&wavelengths) {
@@ -288,12 +289,7 @@ impl Cone {
     }
 
     /// Returns the mean of f \[sr⁻¹\] over the cone, at `wavelength` \[µm\] or as XYZ.
-    fn mean(
-        &self,
-        brdf: &mut dyn Brdf,
-        wavelength: Option<f64>,
-        bar: &Progress,
-    ) -> Result<DVec3> {
+    fn mean(&self, brdf: &mut dyn Brdf, wavelength: Option<f64>, bar: &Progress) -> Result<DVec3> {
         brdf.average_over(self.deviation);
         let found = evaluation::ask(brdf, &self.pairs, wavelength, bar)?;
         Ok(found.iter().sum::<DVec3>() / found.len() as f64)

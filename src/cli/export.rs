@@ -12,8 +12,8 @@ use crate::error::{Error, Remedy, Result};
 use crate::export::page::MOST_PAGE_TEXELS;
 use crate::export::page_mesh::PageMesh;
 use crate::export::{
-    ExportReader, ExportSettings, ExportedMaterial, LARGEST_FOOTPRINT, MaterialDescription, MeasuredErrors, PortErrors,
-    check_target, write as write_export,
+    ExportReader, ExportSettings, ExportedMaterial, LARGEST_FOOTPRINT, MaterialDescription, MeasuredErrors,
+    PortErrors, check_target, write as write_export,
 };
 use crate::files::Files;
 use crate::input;

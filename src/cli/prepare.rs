@@ -1,7 +1,7 @@
 //! Preparation of commands that shade: a device, and a source, from the cache or made with a progress bar.
 
-use super::remedies::in_options;
 use super::progress::Progress;
+use super::remedies::in_options;
 use super::verbosity::detail;
 use super::{check_validation, say, validation};
 use crate::brdf::Brdf;

@@ -86,7 +86,8 @@ impl Progress {
         step.done = done;
         if let (false, Some(left)) = (step.is_told, step.long_rest(step.begun.elapsed(), done, of)) {
             step.is_told = true;
-            let line = format!("{name}: this takes about {} more; {} is shorter", in_words(left), self.shorter);
+            let line =
+                format!("{name}: this takes about {} more; {} is shorter", in_words(left), self.shorter);
             self.bar.suspend(|| say(&line));
         }
         self.step.set(Some(step));
@@ -122,7 +123,11 @@ impl Drop for Progress {
 /// Returns a duration as a number of minutes or hours.
 fn in_words(duration: Duration) -> String {
     let minutes = duration.as_secs_f64() / 60.0;
-    if minutes < MANY_MINUTES { format!("{minutes:.0} minutes") } else { format!("{:.0} hours", minutes / 60.0) }
+    if minutes < MANY_MINUTES {
+        format!("{minutes:.0} minutes")
+    } else {
+        format!("{:.0} hours", minutes / 60.0)
+    }
 }
 
 #[cfg(test)]

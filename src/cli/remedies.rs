@@ -37,7 +37,9 @@ fn option(remedy: &Remedy) -> Cow<'_, str> {
         Remedy::OtherDevice => "name a --device that `diffract devices` lists",
         Remedy::SoftwareDevice => "use --device cpu",
         Remedy::PictureFile => "draw into a file with `diffract render -o picture.png`",
-        Remedy::TimesTolerance(growth) => return format!("ask for a --tolerance {growth:.1} times as large").into(),
+        Remedy::TimesTolerance(growth) => {
+            return format!("ask for a --tolerance {growth:.1} times as large").into();
+        }
         Remedy::Tolerance(tolerance) => return format!("use --tolerance {tolerance:e}").into(),
         other => return Cow::Owned(other.to_string()),
     })

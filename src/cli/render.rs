@@ -291,7 +291,11 @@ struct SequenceProgress {
 impl SequenceProgress {
     /// Returns the bar of so many pictures, each of which consists of `parts`.
     fn over(pictures: usize, parts: &'static str) -> Self {
-        Self { bar: Progress::new(parts, "a smaller --size, or a smaller number of --samples,"), parts, pictures }
+        Self {
+            bar: Progress::new(parts, "a smaller --size, or a smaller number of --samples,"),
+            parts,
+            pictures,
+        }
     }
 
     /// Shows that `done` of the parts `of` picture number `number`, from 0, are done.

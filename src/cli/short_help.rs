@@ -49,8 +49,14 @@ mod tests {
         for (text, first) in [
             ("Samples a pixel: 1 to 4096; 1 looks at centres", "Samples a pixel"),
             ("Exposure in stops. auto measures it", "Exposure in stops"),
-            ("Method of the optics [default: table for pictures]", "Method of the optics [default: table for pictures]"),
-            ("Terms (--windows 1x1; else none), as in 2.5; more", "Terms (--windows 1x1; else none), as in 2.5"),
+            (
+                "Method of the optics [default: table for pictures]",
+                "Method of the optics [default: table for pictures]",
+            ),
+            (
+                "Terms (--windows 1x1; else none), as in 2.5; more",
+                "Terms (--windows 1x1; else none), as in 2.5",
+            ),
         ] {
             assert_eq!(beginning(text), first);
         }

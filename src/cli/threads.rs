@@ -19,7 +19,9 @@ pub fn start() {
     if started < affordable {
         say(&format_args!("the system gives {started} of {wanted} threads: sums and transforms take longer"));
     } else if started < wanted {
-        detail(&format_args!("memory suffices for {started} of {wanted} threads: sums and transforms take longer"));
+        detail(&format_args!(
+            "memory suffices for {started} of {wanted} threads: sums and transforms take longer"
+        ));
     }
     let mut idle = idle.into_iter();
     let built = match started {

@@ -21,12 +21,16 @@ pub fn without_controls(text: &str) -> String {
 /// start is one: nobody reads the result.
 pub fn printed(outcome: std::io::Result<()>) -> Result<()> {
     if closed_stdout::is_closed() {
-        return Err(Error::failed("stdout is closed, so that the result is lost", "send it to a file or a program"));
+        return Err(Error::failed(
+            "stdout is closed, so that the result is lost",
+            "send it to a file or a program",
+        ));
     }
     match outcome {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Error::failed(format!("stdout cannot be written: {}", error::cause(&e)), "check where it goes"))
-        }
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::failed(
+            format!("stdout cannot be written: {}", error::cause(&e)),
+            "check where it goes",
+        )),
         _ => Ok(()),
     }
 }

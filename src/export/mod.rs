@@ -84,7 +84,8 @@ impl ExportedMaterial {
         });
         let (series, mut table) = made.map_err(|refusal| {
             tolerance::with_least(refusal, settings.tolerance, |tolerance| {
-                let (series, colours) = plan(field, &ExportSettings { tolerance, ..settings.clone() }, progress)?;
+                let (series, colours) =
+                    plan(field, &ExportSettings { tolerance, ..settings.clone() }, progress)?;
                 table::check(&series, &colours)
             })
         })?;

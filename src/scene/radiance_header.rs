@@ -62,7 +62,15 @@ mod tests {
 
     #[test]
     fn what_is_no_exposure_is_refused() {
-        for line in ["EXPOSURE=", "EXPOSURE=x", "EXPOSURE=0", "EXPOSURE=-1", "EXPOSURE=nan", "EXPOSURE=1e99", "COLORCORR=1"] {
+        for line in [
+            "EXPOSURE=",
+            "EXPOSURE=x",
+            "EXPOSURE=0",
+            "EXPOSURE=-1",
+            "EXPOSURE=nan",
+            "EXPOSURE=1e99",
+            "COLORCORR=1",
+        ] {
             let error = of(line).unwrap_err().to_string();
             assert!(error.contains(line) && error.contains("; "), "{error}");
         }

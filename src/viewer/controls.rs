@@ -13,7 +13,9 @@ fn control(remedy: &Remedy) -> Cow<'_, str> {
     Cow::Borrowed(match remedy {
         Remedy::Words(words) => words,
         Remedy::LargerTolerance => "choose a larger `tolerance`",
-        Remedy::TimesTolerance(growth) => return format!("choose a `tolerance` {growth:.1} times as large").into(),
+        Remedy::TimesTolerance(growth) => {
+            return format!("choose a `tolerance` {growth:.1} times as large").into();
+        }
         Remedy::Tolerance(tolerance) => return format!("set `tolerance` to {tolerance:e}").into(),
         Remedy::SmallerPicture => "make the window smaller",
         Remedy::AllWindows => "set `windows` to `mean`",

@@ -113,7 +113,10 @@ impl ErrorProbe {
             }
         };
         std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
+            Error::failed(
+                format!("the system refuses a thread: {}", error::cause(&e)),
+                "close other programs",
+            )
         })?;
         Ok(Self { stop })
     }

@@ -24,7 +24,10 @@ pub struct Neighbour {
 pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let unreadable = |e: std::io::Error| {
-        Error::failed(format!("the folder {} cannot be read: {}", folder.display(), error::cause(&e)), "open another file")
+        Error::failed(
+            format!("the folder {} cannot be read: {}", folder.display(), error::cause(&e)),
+            "open another file",
+        )
     };
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {

@@ -24,7 +24,10 @@ impl RenderThread {
         let (tasks, device) = (queue.clone(), device.clone());
         let work = move || FrameRenderer::new(device).run(&tasks, &reply);
         let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
+            Error::failed(
+                format!("the system refuses a thread: {}", error::cause(&e)),
+                "close other programs",
+            )
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }

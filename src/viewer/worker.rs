@@ -154,7 +154,10 @@ impl Worker {
         };
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
+            Error::failed(
+                format!("the system refuses a thread: {}", error::cause(&e)),
+                "close other programs",
+            )
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }

@@ -332,7 +332,18 @@ fn work_of_many_minutes_says_so_after_some_seconds_and_names_what_is_shorter() {
     let sandbox = Sandbox::new();
     let rows: String = (0..40_000).map(|i| format!("30,0,{},180\n", f64::from(i) / 500.0)).collect();
     sandbox.write("q.csv", format!("theta_i,phi_i,theta_r,phi_r\n{rows}"));
-    let words = ["eval", "elaphe", "--queries", "q.csv", "--method", "reference", "--windows", "1x1", "--theory", "stam"];
+    let words = [
+        "eval",
+        "elaphe",
+        "--queries",
+        "q.csv",
+        "--method",
+        "reference",
+        "--windows",
+        "1x1",
+        "--theory",
+        "stam",
+    ];
     let told = std::fs::File::create(sandbox.path("told.txt")).unwrap();
     let mut command = sandbox.command(words);
     let mut child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(told).spawn().unwrap();

@@ -405,7 +405,8 @@ fn a_device_with_little_memory_does_small_work() {
 fn with_little_memory_the_work_is_done_or_refused_and_never_hangs_or_aborts() {
     let sandbox = Sandbox::new();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n30,0,20,180\n");
-    let words = ["eval", "blaze", "--queries", "q.csv", "--method", "reference", "--coherence", "gaussian:5um"];
+    let words =
+        ["eval", "blaze", "--queries", "q.csv", "--method", "reference", "--coherence", "gaussian:5um"];
     let mut done = 0;
     // From what the program itself takes to what it takes with threads [KiB].
     for limit in (100_000..300_000).step_by(25_000) {

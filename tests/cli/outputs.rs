@@ -165,7 +165,12 @@ mod linux {
     fn a_result_for_a_stdout_that_is_closed_is_an_error() {
         let sandbox = with_inputs();
         sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n30,0,20,180\n");
-        for words in ["--help", "--version", "surface info flat", "eval flat --queries q.csv --method reference --coherence gaussian:5um"] {
+        for words in [
+            "--help",
+            "--version",
+            "surface info flat",
+            "eval flat --queries q.csv --method reference --coherence gaussian:5um",
+        ] {
             let script = format!("exec \"$0\" {words} >&-");
             let mut command = Command::new("sh");
             command.args(["-c", &script]).arg(env!("CARGO_BIN_EXE_diffract")).current_dir(sandbox.path(""));
@@ -174,7 +179,10 @@ mod linux {
             assert!(line.contains("stdout is closed"), "{words}: {line}");
         }
         // Whoever throws results away means it, and a file needs no stdout.
-        for script in ["exec \"$0\" --version >/dev/null", "exec \"$0\" surface synth flat --patch 2um -o flat.png <&- 2>&1"] {
+        for script in [
+            "exec \"$0\" --version >/dev/null",
+            "exec \"$0\" surface synth flat --patch 2um -o flat.png <&- 2>&1",
+        ] {
             let mut command = Command::new("sh");
             command.args(["-c", script]).arg(env!("CARGO_BIN_EXE_diffract")).current_dir(sandbox.path(""));
             let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();

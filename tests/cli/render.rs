@@ -165,7 +165,8 @@ fn coverage_of_coherence_areas_is_told_on_request_and_where_it_is_little() {
     // The filter of several samples averages over the areas of neighbouring pixels, too.
     sandbox.write("middle.toml", scene("170 um"));
     assert!(run("middle.toml", &[]).stderr.contains("not what is seen"));
-    let words = ["render", "middle.toml", "-o", "a.exr", "--coherence", "gaussian:4um", "--tolerance", "1e-1"];
+    let words =
+        ["render", "middle.toml", "-o", "a.exr", "--coherence", "gaussian:4um", "--tolerance", "1e-1"];
     sandbox.run2(&words, &["--size", "16x12", "--samples", "2"]).done();
 }
 

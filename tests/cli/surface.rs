@@ -265,7 +265,10 @@ fn a_height_that_no_surface_has_is_questioned_whoever_says_it() {
 fn heights_that_32_bit_floats_round_are_told_by_the_formats_that_have_them_alone() {
     let sandbox = Sandbox::new();
     let rows: String = (0..4).map(|i| format!("{}\t{}\n", 1.0 + f64::from(i) * 1e-7, 1.0 + 3e-8)).collect();
-    sandbox.write("high.txt", format!("# Channel: Topo\n# Width: 20 nm\n# Height: 80 nm\n# Value units: m\n{rows}"));
+    sandbox.write(
+        "high.txt",
+        format!("# Channel: Topo\n# Width: 20 nm\n# Height: 80 nm\n# Value units: m\n{rows}"),
+    );
     let told = |output: &str, more: &[&str]| {
         let outcome = sandbox.run2(&["surface", "convert", "high.txt", "-o", output], more);
         assert_eq!(outcome.code, Some(0), "{outcome:?}");

@@ -188,12 +188,7 @@ fn albedo(arguments: &Arguments, brdf: &mut dyn Brdf) -> Result<Option<f64>> {
 }
 
 /// Returns the linear sRGB toward `views`, all lights summed.
-fn shade(
-    arguments: &Arguments,
-    brdf: &mut dyn Brdf,
-    views: &[DVec3],
-    bar: &Progress,
-) -> Result<Vec<DVec3>> {
+fn shade(arguments: &Arguments, brdf: &mut dyn Brdf, views: &[DVec3], bar: &Progress) -> Result<Vec<DVec3>> {
     let mut sums = vec![DVec3::ZERO; views.len()];
     for light in &arguments.light {
         let toward = direction(light.theta, light.phi);

@@ -75,7 +75,8 @@ pub fn write(path: &Path, field: &HeightField) -> Result<f64> {
     output::write_atomically(path, |file| {
         picture.write_to(file, format).map_err(|e| match e {
             ImageError::IoError(e) => output::write_failed(path, &e),
-            e => Error::failed(format!("cannot write: {e}"), "report this as a bug of diffract").at(path.display()),
+            e => Error::failed(format!("cannot write: {e}"), "report this as a bug of diffract")
+                .at(path.display()),
         })
     })?;
     Ok(full_height)
@@ -222,9 +223,10 @@ fn explain(cause: &ImageError) -> Error {
         ImageError::Limits(_) => {
             Error::failed("takes more memory to decode than its pixels explain", "save the image again")
         }
-        ImageError::IoError(e) => {
-            Error::failed(format!("is cut short or cannot be read: {}", error::cause(e)), "save or copy the image again")
-        }
+        ImageError::IoError(e) => Error::failed(
+            format!("is cut short or cannot be read: {}", error::cause(e)),
+            "save or copy the image again",
+        ),
         _ => Error::failed(format!("is damaged: {cause}"), "save or copy the image again"),
     }
 }

@@ -75,7 +75,10 @@ mod tests {
                 "{spacing} {range}"
             );
         }
-        assert!(questions([9, 9], [1e-8; 2], 0.0, HeightSource::Given).is_empty(), "a flat field is no question of units");
+        assert!(
+            questions([9, 9], [1e-8; 2], 0.0, HeightSource::Given).is_empty(),
+            "a flat field is no question of units"
+        );
     }
 
     #[test]
@@ -89,7 +92,10 @@ mod tests {
             (512, 97.66e-9, 434.7e-6),
             (500, 1e-6, 1e-12),
         ] {
-            assert!(!questions([count, count], [spacing; 2], range, HeightSource::File).is_empty(), "{spacing} {range}");
+            assert!(
+                !questions([count, count], [spacing; 2], range, HeightSource::File).is_empty(),
+                "{spacing} {range}"
+            );
         }
         let said = questions([3, 4], [4.1133e-6, 1.4e-6], 15.0, HeightSource::File).concat();
         assert!(said.contains("15.0000 m") && said.contains("12.3399 um"), "{said}");

@@ -116,9 +116,10 @@ fn explain(cause: &TiffError) -> Error {
         TiffError::LimitsExceeded => {
             Error::failed("takes more memory to decode than its pixels explain", "save the image again")
         }
-        TiffError::IoError(e) => {
-            Error::failed(format!("is cut short or cannot be read: {}", error::cause(e)), "save or copy the image again")
-        }
+        TiffError::IoError(e) => Error::failed(
+            format!("is cut short or cannot be read: {}", error::cause(e)),
+            "save or copy the image again",
+        ),
         _ => damaged(cause),
     }
 }

@@ -64,7 +64,10 @@ impl DirectionReference {
             }
         };
         std::thread::Builder::new().name("inspector".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "close other programs")
+            Error::failed(
+                format!("the system refuses a thread: {}", error::cause(&e)),
+                "close other programs",
+            )
         })?;
         Ok(Self { readings, stop })
     }

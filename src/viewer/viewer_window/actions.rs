@@ -242,7 +242,8 @@ impl ViewerWindow {
             let _ = proxy.send_event(work()); // fails after the end of the event loop
         };
         if let Err(e) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
-            let error = Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "try again");
+            let error =
+                Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "try again");
             self.model.report(Concern::Setting, &error);
         }
         self.window.request_redraw();
