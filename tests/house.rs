@@ -6,17 +6,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 27] = [
+const FLOORS: [(&str, &[&str]); 28] = [
     ("error", &[]),
     ("filter", &[]),
     ("units", &["error"]),
     ("input", &["error"]),
+    ("notes", &[]),
     ("output", &["error"]),
     ("memory", &["error"]),
     ("random", &["error"]),
     ("fft_size", &["error"]),
     ("files", &["error", "output"]),
-    ("figure", &["error", "output"]),
+    ("figure", &["error", "notes", "output"]),
     ("vk", &["error", "memory"]),
     ("surface", SMALL),
     ("cache", &["surface", "error", "memory", "output"]),
@@ -37,7 +38,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
         "export",
         &[
             "budget", "table", "brdf", "spectra", "scene", "filter", "cache", "optics", "surface", "error",
-            "input", "memory", "output", "random",
+            "input", "memory", "notes", "output", "random",
         ],
     ),
     (
@@ -47,7 +48,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
             "error", "input", "memory", "output", "random",
         ],
     ),
-    ("picture_file", &["render", "error", "output"]),
+    ("picture_file", &["render", "error", "notes", "output"]),
     (
         "setup",
         &[
@@ -81,6 +82,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
             "error",
             "input",
             "memory",
+            "notes",
             "output",
             "random",
             "units",
@@ -111,6 +113,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
             "error",
             "input",
             "memory",
+            "notes",
             "output",
             "random",
             "units",
@@ -119,7 +122,7 @@ const FLOORS: [(&str, &[&str]); 27] = [
 ];
 
 /// The small modules, which import nothing but the error.
-const SMALL: &[&str] = &["error", "fft_size", "input", "memory", "output", "random", "units"];
+const SMALL: &[&str] = &["error", "fft_size", "input", "memory", "notes", "output", "random", "units"];
 
 /// Files of `src/`, relative to it.
 fn sources() -> Vec<PathBuf> {

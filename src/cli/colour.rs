@@ -1,7 +1,7 @@
 //! `diffract colour`: what a multi-angle spectrophotometer reads of a surface.
 
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
-use super::{evaluation, prepare, write};
+use super::{captions, evaluation, prepare, write};
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
 use crate::files::Files;
@@ -179,7 +179,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write::text(Some(path), &spectrum_table(&readings, &wavelengths, &spectra)?)?;
     }
     if let Some(path) = &arguments.json {
-        write::json(path, &Readings::new(&readings, &illuminant, white, arguments.aperture))?;
+        let report = Readings::new(&readings, &illuminant, white, arguments.aperture);
+        write::json(path, &write::with_origin(&report, &captions::notes(&field)))?;
     }
     write::text(arguments.output.as_deref(), &table(&readings)?)
 }

@@ -10,10 +10,11 @@ pub(super) mod plot;
 mod worked_example;
 
 use super::options::{SurfaceOptions, seed};
-use super::write;
+use super::{captions, write};
 use crate::error::{Error, Result};
 use crate::figure;
 use crate::files::Files;
+use crate::notes::Notes;
 use crate::optics::material::Material;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
@@ -146,9 +147,9 @@ fn info(arguments: &Info) -> Result<()> {
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(&source, &field, &statistics, &theory)?.save(path)?;
+        plot::figure(&source, &field, &statistics, &theory)?.save(path, &captions::notes(&field))?;
     }
-    write::stdout(&(file + &describe::text(&source, &field, &statistics, &theory)?))
+    write::stdout(&(file + &describe::text(&field, &statistics, &theory)?))
 }
 
 /// Prints the report as JSON. Without preparation steps it is about the heights of the file, including gaps.
@@ -156,18 +157,21 @@ fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
     let scan =
         if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
+    let notes = Notes::new(captions::own_command(), scan.prepared());
     let report = report::SurfaceReport::of(&scan, origin.as_ref(), invalid);
     let field = match scan.into_field() {
         Ok(field) => field,
-        Err(e) if arguments.plot.is_none() => return write::stdout(&report.without_statistics(&e).json()?),
+        Err(e) if arguments.plot.is_none() => {
+            return write::stdout(&report.without_statistics(&e).json(&notes)?);
+        }
         Err(e) => return Err(e),
     };
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(source, &field, &statistics, &theory)?.save(path)?;
+        plot::figure(source, &field, &statistics, &theory)?.save(path, &notes)?;
     }
-    write::stdout(&report.with_statistics(source, &field, statistics, theory)?.json()?)
+    write::stdout(&report.with_statistics(&field, statistics, theory)?.json(&notes)?)
 }
 
 fn synthesise(arguments: &Synth) -> Result<()> {

@@ -5,10 +5,11 @@
 //!
 //! ```
 //! use diffract::figure::{Axis, Figure, Mark, Panel, palette};
+//! use diffract::notes::Notes;
 //! let line = Mark::line(vec![[1.0, 0.1], [10.0, 0.01]], palette::BLUE);
 //! let panel = Panel::new(Axis::log("frame time [ms]", 1.0, 10.0), Axis::log("error", 1e-2, 1e-1)).named("optimal", line);
 //! let figure = Figure::new("Speed against error").row(vec![panel]).caption("Measured on one machine.");
-//! assert!(figure.svg()?.contains("frame time"));
+//! assert!(figure.svg(&Notes::default())?.contains("frame time"));
 //! # Ok::<(), diffract::error::Error>(())
 //! ```
 
@@ -29,6 +30,7 @@ pub use raster::{ColorScale, Raster};
 pub use svg::Anchor;
 
 use crate::error::{Error, Result};
+use crate::notes::Notes;
 use crate::output;
 use layout::{Area, TITLE, letters};
 use palette::{INK, PAPER, QUIET};
@@ -84,15 +86,15 @@ impl Figure {
         self
     }
 
-    /// Returns the figure as SVG.
+    /// Returns the figure as SVG, with `notes` as its metadata.
     ///
     /// # Errors
     /// A raster that is empty or too large.
-    pub fn svg(&self) -> Result<String> {
-        self.drawn().map(|(svg, _)| svg)
+    pub fn svg(&self, notes: &Notes) -> Result<String> {
+        self.drawn(notes).map(|(svg, _)| svg)
     }
 
-    fn drawn(&self) -> Result<(String, [f64; 2])> {
+    fn drawn(&self, notes: &Notes) -> Result<(String, [f64; 2])> {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as f64;
         let width = columns * (self.panel[0] + MARGIN) + MARGIN;
         let mut svg = Svg::default();
@@ -117,16 +119,16 @@ impl Figure {
             y += CAPTION * LEADING;
         }
         let size = [width, (y + 0.5 * MARGIN).ceil()];
-        Ok((svg.finish(size, PAPER), size))
+        Ok((svg.finish(size, PAPER, notes), size))
     }
 
-    /// Returns the figure as PNG.
+    /// Returns the figure as PNG, with `notes` as chunks of text.
     ///
     /// # Errors
     /// Those of [`Self::svg`]; a picture that is too large.
-    pub fn png(&self) -> Result<Vec<u8>> {
+    pub fn png(&self, notes: &Notes) -> Result<Vec<u8>> {
         let bug = |what: String| Error::failed(what, "report this as a bug of diffract");
-        let (svg, size) = self.drawn()?;
+        let (svg, size) = self.drawn(notes)?;
         let tree = usvg::Tree::from_str(&svg, &text::options())
             .map_err(|e| bug(format!("the figure is no sound SVG ({e})")))?;
         let [width, height] = size.map(|x| (x * PNG_SCALE) as u32);
@@ -135,22 +137,36 @@ impl Figure {
         })?;
         let scale = PNG_SCALE as f32;
         resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
-        pixels.encode_png().map_err(|e| bug(format!("the figure is no PNG ({e})")))
+        encoded(&pixels, notes).map_err(|e| bug(format!("the figure is no PNG ({e})")))
     }
 
-    /// Writes the figure to `path`, whole or not at all, in the format of its extension: .svg or .png.
+    /// Writes the figure with `notes` to `path`, whole or not at all, in the format of its extension: .svg or .png.
     ///
     /// # Errors
     /// Another extension; a file that cannot be written.
-    pub fn save(&self, path: &Path) -> Result<()> {
+    pub fn save(&self, path: &Path, notes: &Notes) -> Result<()> {
         let bytes = match FigureFormat::of(path)? {
-            FigureFormat::Svg => self.svg()?.into_bytes(),
-            FigureFormat::Png => self.png()?,
+            FigureFormat::Svg => self.svg(notes)?.into_bytes(),
+            FigureFormat::Png => self.png(notes)?,
         };
         output::write_atomically(path, |file| {
             file.write_all(&bytes).map_err(|e| output::write_failed(path, &e))
         })
     }
+}
+
+/// Encodes opaque `pixels` as PNG.
+fn encoded(pixels: &tiny_skia::Pixmap, notes: &Notes) -> std::result::Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, pixels.width(), pixels.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    notes.add_to_png(&mut encoder)?;
+    let rgb: Vec<u8> = pixels.data().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&rgb)?;
+    writer.finish()?;
+    Ok(bytes)
 }
 
 /// File format of a figure.

@@ -1,7 +1,8 @@
 //! The SVG elements of figures. Lengths are pixels, y grows downward.
 
 use super::palette::Color;
-use super::text::{Weight, escape};
+use super::text::Weight;
+use crate::notes::{Notes, xml};
 use std::fmt::Write;
 
 /// Horizontal anchor of a text.
@@ -60,14 +61,15 @@ pub struct Svg {
 impl Svg {
     // Writing to a string cannot fail, so its results are ignored below.
 
-    /// Returns the whole file, for a page of `size` \[px\].
-    pub fn finish(self, size: [f64; 2], background: Color) -> String {
+    /// Returns the whole file, for a page of `size` \[px\], with `notes` as its metadata.
+    pub fn finish(self, size: [f64; 2], background: Color, notes: &Notes) -> String {
         let [width, height] = size;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
-             width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" font-family=\"{}\">\n\
+             width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" font-family=\"{}\">\n<metadata>{}</metadata>\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n{}</svg>\n",
             super::text::FAMILY,
+            xml(&notes.text()),
             background.hex(),
             self.body
         )
@@ -168,7 +170,7 @@ impl Svg {
                  {paint}>{}</text>",
                 letters.size,
                 letters.weight.number(),
-                escape(text)
+                xml(text)
             );
         };
         if let Some(halo) = halo {

@@ -18,6 +18,7 @@ mod faults;
 mod hostile_files;
 mod hostile_options;
 mod maps;
+mod notes;
 mod objects;
 mod orders;
 mod outputs;

@@ -225,14 +225,11 @@ fn the_figure_has_the_peaks_and_the_grating_equation() {
 fn grooves_that_do_not_fit_the_patch_go_on_alike_and_copies_of_them_are_told() {
     let sandbox = Sandbox::new();
     // 12.35 periods of 1.3 µm over 16.055 µm, whose edges are at one height.
-    let (period, periods, samples) = (1.3, 12.35, 200);
+    let (period, periods, samples) = (1.3, 12.35, 200u32);
     let pixel = period * periods / f64::from(samples) * 1e3;
     let height =
         |i: u32| (std::f64::consts::TAU * (periods * f64::from(i) / f64::from(samples) + 0.075)).sin();
-    sandbox.write(
-        "g.png",
-        crate::sandbox::grey_png(samples as usize, 60, |x, _| (127.5 + 127.0 * height(x as u32)) as u8),
-    );
+    sandbox.write("g.png", crate::sandbox::grey_png(samples, 60, |x, _| (127.5 + 127.0 * height(x)) as u8));
     let file = ["g.png", "--pixel-size", &format!("{pixel}nm"), "--height", "100nm"];
     let info = sandbox.run2(&["surface", "info"], &file).done();
     assert!(info.contains("12.35 periods along x"), "{info}");

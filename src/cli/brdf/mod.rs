@@ -128,7 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let map = HemisphereMap::of(arguments, &arguments.optics, &field)?;
     if let Some(plot) = &arguments.plot {
-        figure::of_map(arguments, &field, &map).save(plot)?;
+        figure::of_map(arguments, &field, &map).save(plot, &captions::notes(&field))?;
     }
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let is_spectral = arguments.wavelength.is_some();
@@ -141,7 +141,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, surrounded: false };
     let illuminant = Illuminant::from_name_or_file(&arguments.colour.illuminant)?;
     let colour = arguments.wavelength.map_or(LightColour::Spectrum(&illuminant), LightColour::Wavelength);
-    let notes = captions::notes(&field, &arguments.optics.reflectance(None), colour);
+    let notes = captions::picture_notes(&field, &arguments.optics.reflectance(None), colour);
     picture_file::write(path, format, &picture, &notes)
 }
 
@@ -151,7 +151,7 @@ fn compare(arguments: &Arguments, field: &HeightField, variants: &[Variant; 2], 
     let optics = [a?, b?];
     let maps =
         [HemisphereMap::of(arguments, &optics[0], field)?, HemisphereMap::of(arguments, &optics[1], field)?];
-    figure::of_two(arguments, field, variants, &optics, &maps).save(plot)?;
+    figure::of_two(arguments, field, variants, &optics, &maps).save(plot, &captions::notes(field))?;
     let deviation = figure::deviation(&maps[0].values(), &maps[1].values());
     say(&format_args!("{} differs from {} by {deviation:.2e}", variants[0].name, variants[1].name));
     Ok(())

@@ -7,7 +7,7 @@ mod sweep;
 
 use super::options::{self, CacheOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
-use super::{evaluation, say, write};
+use super::{captions, evaluation, say, write};
 use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
 use crate::files::Files;
@@ -217,12 +217,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(copies) = &copies {
         say(copies);
     }
+    let notes = captions::notes(&field);
     if let Some(path) = &arguments.plot {
-        figure::figure(arguments, &field, &sweep, &found).save(path)?;
+        figure::figure(arguments, &field, &sweep, &found).save(path, &notes)?;
     }
     let shift = copies.as_ref().map(CopiedPeriods::relative_shift);
     let reports = reports(arguments, &found, &windows, shift);
-    arguments.json.as_deref().map_or(Ok(()), |path| match &reports[..] {
+    let documents: Vec<_> = reports.iter().map(|report| write::with_origin(report, &notes)).collect();
+    arguments.json.as_deref().map_or(Ok(()), |path| match &documents[..] {
         [only] => write::json(path, only),
         all => write::json(path, &all),
     })

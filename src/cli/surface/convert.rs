@@ -1,7 +1,7 @@
 //! `diffract surface convert`: one format to another, after preparation if steps are given.
 
 use super::super::options::SurfaceOptions;
-use super::super::write;
+use super::super::{captions, write};
 use super::report;
 use crate::error::Result;
 use crate::files::Files;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(after_help = "Example:
   diffract surface convert scan.spm -o scan.gsf      heights are in metres in every format
-Samples that were not measured stay so (NaN). .gsf and .tif hold 32-bit floats, .gwy, .npy, .txt and .x3p every digit.")]
+Samples that were not measured stay so (NaN). All formats but .npy note the preparation, which `surface info` reads.  .gsf and .tif hold 32-bit floats, .gwy, .npy, .txt and .x3p every digit.")]
 pub struct Convert {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
@@ -42,7 +42,7 @@ pub fn run(arguments: &Convert) -> Result<()> {
 
 /// Writes `scan` and prints the options that read it back.
 pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
-    write_surface(path, format, scan)?;
+    write_surface(path, format, scan, captions::own_command())?;
     let hint = if format.has_scale() {
         String::new()
     } else {

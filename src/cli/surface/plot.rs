@@ -5,7 +5,6 @@ use crate::error::Result;
 use crate::figure::{Axis, AxisScale, ColorMap, ColorScale, Figure, Mark, Panel, Raster, palette};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::validity::ScalarTheory;
-use crate::surface::prepare;
 use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::statistics::plot_grid::{self, PlotGrid, histogram};
 use crate::surface::statistics::slopes::gradients;
@@ -43,15 +42,10 @@ pub fn figure(
     Ok(figure
         .row(vec![profile(field), radial(&spectrum, statistics)])
         .row(vec![height_histogram(field, statistics), slope_histogram(field, statistics)])
-        .caption(caption(source, field, statistics, theory) + "\n" + &colours))
+        .caption(caption(field, statistics, theory) + "\n" + &colours))
 }
 
-fn caption(
-    source: &SurfaceSource,
-    field: &HeightField,
-    statistics: &Statistics,
-    theory: &ScalarTheory,
-) -> String {
+fn caption(field: &HeightField, statistics: &Statistics, theory: &ScalarTheory) -> String {
     let [width, height] = field.patch_size();
     let h = &statistics.heights;
     format!(
@@ -59,7 +53,7 @@ fn caption(
          Scalar theory: {}.",
         field.columns(),
         field.rows(),
-        prepare::describe(&source.prepare),
+        field.prepared(),
         h.sq * 1e3,
         h.sa * 1e3,
         h.ssk,
@@ -277,6 +271,7 @@ pub fn scale_bar(width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::notes::Notes;
     use crate::optics::validity::LightColour;
     use crate::surface::synth::SurfaceKind;
 
@@ -289,8 +284,10 @@ mod tests {
                 let green = LightColour::Wavelength(0.55);
                 ScalarTheory::of_field(&field, &Default::default(), green).unwrap()
             };
-            let svg =
-                figure(&source, &field, &Statistics::of(&field).unwrap(), &theory).unwrap().svg().unwrap();
+            let svg = figure(&source, &field, &Statistics::of(&field).unwrap(), &theory)
+                .unwrap()
+                .svg(&Notes::default())
+                .unwrap();
             for word in [
                 "Heights",
                 "Power spectrum",

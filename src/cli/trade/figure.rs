@@ -44,6 +44,7 @@ pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::notes::Notes;
 
     #[test]
     fn the_figure_marks_the_thesis() {
@@ -54,7 +55,7 @@ mod tests {
             ..Measurement::default()
         };
         let rows = [measured("spectral, taylor", 10.0, 5e-2), measured(THESIS, 900.0, 2e-3)];
-        let svg = figure(&rows, "Speed", "One machine.").svg().unwrap();
+        let svg = figure(&rows, "Speed", "One machine.").svg(&Notes::default()).unwrap();
         assert!(svg.contains("thesis") && svg.contains("Pareto"));
     }
 }

@@ -8,7 +8,7 @@ pub use figure::figure;
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
 use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, coherence, ior, tolerance};
 use super::remedies::in_options;
-use super::{prepare, say, write};
+use super::{captions, prepare, say, write};
 use crate::error::{Error, Result};
 use crate::files::Files;
 use crate::measure::profile::NOISY;
@@ -211,10 +211,12 @@ impl<'a> TradeSweep<'a> {
             ));
         }
         let (rows, heading) = (&self.rows, self.heading());
-        write::text(Some(&self.file("trade.md")), &trade::markdown(rows, &heading, &self.impossible))?;
+        let notes = captions::notes(&self.scene.field);
+        let table = trade::markdown(rows, &heading, &self.impossible);
+        write::text(Some(&self.file("trade.md")), &format!("{table}\n```text\n{}\n```\n", notes.text()))?;
         let figure = figure(rows, "Speed against accuracy", &heading);
-        figure.save(&self.file("trade.svg"))?;
-        figure.save(&self.file("trade.png"))?;
+        figure.save(&self.file("trade.svg"), &notes)?;
+        figure.save(&self.file("trade.png"), &notes)?;
         let wanted = match (self.arguments.tolerance, self.arguments.fps) {
             (None, None) => String::new(),
             (error, fps) => trade::wanted(rows, error, fps),
