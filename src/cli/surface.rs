@@ -9,10 +9,10 @@ pub(super) mod plot;
 #[cfg(test)]
 mod worked_example;
 
-use super::options::{SurfaceOptions, seed};
+use super::options::{FigureOptions, SurfaceOptions, seed};
 use super::{captions, write};
 use crate::error::{Error, Result};
-use crate::figure;
+use crate::figure::{self, FigureStyle};
 use crate::files::Files;
 use crate::notes::Notes;
 use crate::optics::material::Material;
@@ -69,6 +69,8 @@ pub struct Info {
     /// Draw a figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureOptions,
 }
 
 /// Arguments of `surface synth`.
@@ -133,13 +135,14 @@ fn info(arguments: &Info) -> Result<()> {
     if let Some(path) = &arguments.plot {
         figure::FigureFormat::of(path)?;
     }
+    let style = arguments.figure.style(arguments.plot.is_some(), &plot::PANELS)?;
     let name = arguments.surface_name.as_deref();
     let material = arguments.reflectance().file();
     Files::new().reads(arguments.surface.files(name)).reads(&material).writes(&arguments.plot).check()?;
     let source = arguments.surface.source(name, None, "elaphe")?;
     let scan = arguments.surface.read(&source)?;
     if arguments.json {
-        return report(arguments, &source, scan);
+        return report(arguments, &style, &source, scan);
     }
     let file: String =
         report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
@@ -147,13 +150,13 @@ fn info(arguments: &Info) -> Result<()> {
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(&source, &field, &statistics, &theory)?.save(path, &captions::notes(&field))?;
+        plot::figure(&source, &field, &statistics, &theory)?.save(path, &style, &captions::notes(&field))?;
     }
     write::stdout(&(file + &describe::text(&field, &statistics, &theory)?))
 }
 
 /// Prints the report as JSON. Without preparation steps it is about the heights of the file, including gaps.
-fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<()> {
+fn report(arguments: &Info, style: &FigureStyle, source: &SurfaceSource, scan: Topography) -> Result<()> {
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
     let scan =
         if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
@@ -169,7 +172,7 @@ fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(source, &field, &statistics, &theory)?.save(path, &notes)?;
+        plot::figure(source, &field, &statistics, &theory)?.save(path, style, &notes)?;
     }
     write::stdout(&report.with_statistics(&field, statistics, theory)?.json(&notes)?)
 }

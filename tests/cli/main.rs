@@ -15,6 +15,7 @@ mod export;
 mod export_page;
 mod export_wgsl;
 mod faults;
+mod figures;
 mod hostile_files;
 mod hostile_options;
 mod maps;

@@ -2,7 +2,7 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
-use diffract::figure::{Axis, Figure, Mark, Panel, palette};
+use diffract::figure::{Axis, Figure, FigureStyle, Mark, Panel, palette};
 use diffract::notes::Notes;
 use diffract::render::frame::View;
 use diffract::scene::{Light, Scene};
@@ -103,7 +103,11 @@ fn over_a_hundred_thousand_frames_memory_is_flat() {
         .panel_size(460.0, 320.0)
         .caption(caption);
     figure
-        .save(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images/long-run.svg"), &Notes::default())
+        .save(
+            &Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images/long-run.svg"),
+            &FigureStyle::default(),
+            &Notes::default(),
+        )
         .unwrap();
     assert!(samples.iter().all(|s| s.on_device == samples[0].on_device));
     assert!(growth < 4.0, "{growth} MiB more after {FRAMES} frames");
