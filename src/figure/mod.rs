@@ -168,7 +168,8 @@ impl Figure {
         let size = tree.size();
         let width = (millimetres / MM_PER_INCH * style.dpi).round();
         let scale = width as f32 / size.width();
-        let height = (size.height() * scale).ceil();
+        // Whole pixels alone: one that the page covers in part would be dark.
+        let height = (size.height() * scale).floor();
         let mut pixels = tiny_skia::Pixmap::new(width as u32, height as u32).ok_or_else(|| {
             Error::failed(
                 format!("a figure of {width}x{height} pixels is too large"),
