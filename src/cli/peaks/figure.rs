@@ -186,12 +186,12 @@ fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> Strin
     let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
     let told = |of: &Found| format!("Order {}: {}.", of.sought.order, of.lines().join("; "));
     let lines: Vec<String> = found.iter().map(told).collect();
-    let right = match found {
+    let periods = match found {
         [only] if only.branches.is_empty() => "the dashed line is the mean, the band the standard deviation",
         _ => "dashed lines are the means",
     };
     format!(
-        "{}; light from θ = {}° in the plane of N and {}. {} Right: {right}.\n{}",
+        "{}; light from θ = {}° in the plane of N and {}. {} Periods: {periods}.\n{}",
         captions::surface(&name, field),
         arguments.theta_i.to_string().replace('-', "−"),
         arguments.axis.name(),
