@@ -35,7 +35,7 @@ use std::path::PathBuf;
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Statistics of a height field, and the cost of its optics
-    Info(Info),
+    Info(Box<Info>),
     /// Write a height field, prepared if asked, in another format
     Convert(convert::Convert),
     /// Write a generated height field to a file

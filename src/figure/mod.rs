@@ -26,10 +26,10 @@ mod svg;
 mod text;
 
 pub use axis::{Axis, AxisScale, Tick, number};
-pub use palette::{Color, ColorMap};
+pub use palette::{Color, ColorMap, Theme};
 pub use panel::{Mark, MarkShape, Panel, PlotFrame};
 pub use raster::{ColorScale, Raster};
-pub use style::{FigureStyle, MM_PER_INCH, PX_PER_INCH, Theme};
+pub use style::{FigureStyle, MM_PER_INCH, PX_PER_INCH};
 pub use svg::Anchor;
 
 use crate::error::{Error, Result};
@@ -119,7 +119,7 @@ impl Figure {
             }
         }
         let PageScale { width, mm_per_px } = scale;
-        Ok((svg.finish(scale, (y + 0.5 * MARGIN).ceil(), notes), width * mm_per_px))
+        Ok((svg.finish([width, (y + 0.5 * MARGIN).ceil()], mm_per_px, notes), width * mm_per_px))
     }
 
     /// Returns the panels that `style` chooses, in its order and in rows as long as the figure's; all rows if it chooses none.

@@ -1,7 +1,7 @@
 //! Style of a figure for its place in print or on a screen: width, letters, colours, parts.
 
 use super::layout::{MARGIN, TICK};
-use super::palette::{BLUE, Color, FAINT, INK, PAPER, QUIET};
+use super::palette::Theme;
 use crate::error::{Error, Result};
 
 /// Millimetres of an inch.
@@ -18,33 +18,6 @@ const DPI: f64 = 2.0 * PX_PER_INCH;
 const NARROWEST: f64 = 240.0;
 /// Narrowest panel beside others [px]; below it, panels stand below each other.
 const NARROWEST_PANEL: f64 = 330.0;
-
-/// Colours of paper and letters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Theme {
-    /// Dark letters on white.
-    #[default]
-    Light,
-    /// Light letters on a dark ground, for slides and screens.
-    Dark,
-}
-
-impl Theme {
-    /// Returns the colour that takes the place of `color`, which is one of the palette's, on this ground.
-    pub fn shown(self, color: Color) -> Color {
-        /// Blue that is as far from the dark ground as the palette's is from white.
-        const LIGHT_BLUE: Color = Color([0x4d, 0xa6, 0xe0]);
-        match (self, color) {
-            (Self::Light, color) => color,
-            (Self::Dark, INK) => Color([0xe8, 0xea, 0xed]),
-            (Self::Dark, QUIET) => Color([0xb0, 0xb7, 0xbf]),
-            (Self::Dark, FAINT) => Color([0x3a, 0x40, 0x47]),
-            (Self::Dark, PAPER) => Color([0x1b, 0x1e, 0x22]),
-            (Self::Dark, BLUE) => LIGHT_BLUE,
-            (Self::Dark, color) => color,
-        }
-    }
-}
 
 /// Style of a figure.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,6 @@
 //! The SVG elements of figures. Lengths are pixels, y grows downward.
 
-use super::palette::{Color, PAPER};
-use super::style::{PageScale, Theme};
+use super::palette::{Color, PAPER, Theme};
 use super::text::Weight;
 use crate::notes::{Notes, xml};
 use std::fmt::Write;
@@ -73,9 +72,9 @@ impl Svg {
         self.theme.shown(color).hex()
     }
 
-    /// Returns the whole file, for a page of this `scale` and `height` \[px\], with `notes` as its metadata.
-    pub(super) fn finish(self, scale: PageScale, height: f64, notes: &Notes) -> String {
-        let PageScale { width, mm_per_px } = scale;
+    /// Returns the whole file, for a page of this `size` \[px\], of which a pixel is `mm_per_px` \[mm\], with `notes` as its metadata.
+    pub fn finish(self, size: [f64; 2], mm_per_px: f64, notes: &Notes) -> String {
+        let [width, height] = size;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
              width=\"{:.3}mm\" height=\"{:.3}mm\" viewBox=\"0 0 {width:.3} {height:.3}\" font-family=\"{}\">\n\
