@@ -23,6 +23,7 @@ pub mod input;
 #[cfg(feature = "vulkan")]
 pub mod measure;
 pub mod memory;
+pub mod notes;
 pub mod optics;
 pub mod output;
 #[cfg(feature = "vulkan")]

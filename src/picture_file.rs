@@ -1,6 +1,7 @@
 //! The one writer of pictures: PNG as displayed, EXR linear, both with notes about their origin.
 
 use crate::error::{Error, Result};
+use crate::notes::{self, Notes};
 use crate::output;
 use crate::render::renderer::Picture;
 use exr::prelude::{
@@ -36,30 +37,6 @@ impl PictureFormat {
     }
 }
 
-/// Notes in a picture file beside its pixels.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Notes {
-    /// Command that draws the same picture; empty if there is none.
-    pub command: String,
-    /// More names (1 to 79 letters of Latin-1) and values, in the order in which they are written.
-    pub more: Vec<(String, String)>,
-}
-
-impl Notes {
-    /// Returns the notes of a picture that `command` draws of a surface; `scalar_theory` describes the validity of the optics for it.
-    pub fn new(command: String, scalar_theory: String) -> Self {
-        Self { command, more: vec![("Scalar theory".to_owned(), scalar_theory)] }
-    }
-
-    /// Returns all names and values, the version of the program first.
-    fn all(&self) -> Vec<(String, String)> {
-        let software = ("Software".to_owned(), format!("diffract {}", env!("CARGO_PKG_VERSION")));
-        let comment = ("Comment".to_owned(), format!("The same picture: {}", self.command));
-        let comment = (!self.command.is_empty()).then_some(comment);
-        [software].into_iter().chain(comment).chain(self.more.iter().cloned()).collect()
-    }
-}
-
 /// Writes `picture` to `path`, whole or not at all. The same picture and notes give the same bytes.
 ///
 /// # Errors
@@ -87,37 +64,16 @@ pub fn save(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
     write(path, PictureFormat::of(path)?, picture, &Notes::default())
 }
 
-/// Returns the note `name` among the [`Notes::more`] of the picture file `path`; `None` if there is none, or if the file is no picture that
-/// can be read.
+/// Returns the note `name` of the picture file `path`; `None` if there is none, or if the file is no picture that can be read.
 pub fn note(path: &Path, name: &str) -> Option<String> {
-    match PictureFormat::of(path).ok()? {
-        PictureFormat::Png => {
-            let reader = png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok()?;
-            reader.info().utf8_text.iter().find(|text| text.keyword == name)?.get_text().ok()
-        }
-        PictureFormat::Exr => {
-            let meta = exr::meta::MetaData::read_from_file(path, false).ok()?;
-            let comments = meta.headers.first()?.own_attributes.comments.as_ref()?.to_string();
-            let value = |line: &str| Some(line.strip_prefix(name)?.strip_prefix(": ")?.to_owned());
-            comments.lines().find_map(value)
-        }
-    }
+    notes::value(&text_of(path)?, name).map(str::to_owned)
 }
 
 /// Returns all text of a picture file of this `format` with these `notes`, in the form of [`text_of`].
 pub fn text(format: PictureFormat, notes: &Notes) -> String {
-    let all = notes.all();
     match format {
-        PictureFormat::Png => {
-            let lines = all.iter().map(|(name, value)| format!("{name}: {value}"));
-            lines.collect::<Vec<_>>().join("\n")
-        }
-        PictureFormat::Exr => {
-            let (software, comments) = exr_text(all);
-            let words =
-                [software, comments].map(|text| text.map(|text| text.to_string()).unwrap_or_default());
-            words.join("\n")
-        }
+        PictureFormat::Png => notes.text(),
+        PictureFormat::Exr => notes::ascii(&notes.text()),
     }
 }
 
@@ -134,9 +90,7 @@ pub fn text_of(path: &Path) -> Option<String> {
         }
         PictureFormat::Exr => {
             let meta = exr::meta::MetaData::read_from_file(path, false).ok()?;
-            let attributes = &meta.headers.first()?.own_attributes;
-            let words = [&attributes.software_name, &attributes.comments];
-            Some(words.map(|text| text.as_ref().map(|text| text.to_string()).unwrap_or_default()).join("\n"))
+            Some(meta.headers.first()?.own_attributes.comments.as_ref()?.to_string())
         }
     }
 }
@@ -164,9 +118,7 @@ fn png(file: &mut impl Write, picture: &Picture, notes: &Notes) -> std::result::
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    for (name, value) in notes.all() {
-        encoder.add_itxt_chunk(name, value)?;
-    }
+    notes.add_to_png(&mut encoder)?;
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&codes(picture))?;
     Ok(writer.finish()?)
@@ -183,7 +135,9 @@ fn codes(picture: &Picture) -> Vec<u8> {
 fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
     let [width, height] = picture.size.map(|n| n as usize);
     let mut attributes = LayerAttributes::named("");
-    (attributes.software_name, attributes.comments) = exr_text(notes.all());
+    attributes.software_name = Text::new_or_none(notes::software());
+    // In one attribute: the library writes custom attributes in an order that changes from run to run.
+    attributes.comments = Text::new_or_none(text(PictureFormat::Exr, notes));
     let channels = SpecificChannels::rgba(|at: exr::math::Vec2<usize>| {
         let [r, g, b, a] = picture.radiance[at.y() * width + at.x()];
         (r, g, b, a)
@@ -192,30 +146,6 @@ fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std:
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
     let image = Image::from_layer(Layer::new((width, height), attributes, encoding, channels));
     image.write().to_buffered(file).map_err(IoError::other)
-}
-
-/// Returns the version of the program, and all other notes in one attribute: the library writes custom attributes in an order that changes
-/// from run to run.
-fn exr_text(notes: Vec<(String, String)>) -> (Option<Text>, Option<Text>) {
-    let mut all = notes.into_iter();
-    let software = all.next().and_then(|(_, software)| ascii(&software));
-    let comments: Vec<String> =
-        all.map(|(name, value)| if name == "Comment" { value } else { format!("{name}: {value}") }).collect();
-    (software, ascii(&comments.join("\n")))
-}
-
-/// Converts `text` to ASCII. EXR does not define other letters, and some readers refuse a file that has them: symbols in formulas are
-/// written out, other letters as `\u{…}`.
-fn ascii(text: &str) -> Option<Text> {
-    let letter = |c: char| match c {
-        '°' => "deg".to_owned(),
-        '²' => "^2".to_owned(),
-        'λ' => "lambda".to_owned(),
-        'σ' => "sigma ".to_owned(),
-        c if c.is_ascii() => c.to_string(),
-        c => c.escape_unicode().to_string(),
-    };
-    Text::new_or_none(text.chars().map(letter).collect::<String>())
 }
 
 #[cfg(test)]
@@ -236,6 +166,7 @@ mod tests {
     fn notes() -> Notes {
         Notes {
             command: "diffract render 'plätze' --surface 鱗.png".to_owned(),
+            prepared: notes::PreparationRecord::parse("level plane, despike"),
             more: vec![
                 ("Surface".to_owned(), "a hash".to_owned()),
                 ("Tolerance".to_owned(), "1e-2".to_owned()),
@@ -261,13 +192,14 @@ mod tests {
         let info = reader.read_info().unwrap();
         let said: Vec<_> =
             info.info().utf8_text.iter().map(|t| (t.keyword.clone(), t.get_text().unwrap())).collect();
-        assert_eq!(said, notes().all());
+        assert_eq!(said, notes().entries());
         let meta = exr::meta::MetaData::read_from_file(&as_exr, false).unwrap();
         let attributes = &meta.headers[0].own_attributes;
         assert!(attributes.software_name.as_ref().unwrap().to_string().starts_with("diffract "));
         let comments = attributes.comments.as_ref().unwrap().to_string();
         for path in [&as_png, &as_exr] {
             assert_eq!(note(path, "Surface").as_deref(), Some("a hash"));
+            assert_eq!(note(path, "Prepared").as_deref(), Some("level plane, despike"));
             assert_eq!(note(path, "Sur"), None);
             let format = PictureFormat::of(path).unwrap();
             assert_eq!(text_of(path), Some(text(format, &notes())));

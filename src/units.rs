@@ -12,6 +12,9 @@ const LENGTHS: [(&str, f64); 6] =
 /// Units of angle in degrees.
 const ANGLES: [(&str, f64); 3] = [("deg", 1.0), ("\u{b0}", 1.0), ("rad", 180.0 / std::f64::consts::PI)];
 
+/// Units of length on paper and screens \[mm\]; a pixel is that of SVG, 1/96 inch.
+const PAGE_LENGTHS: [(&str, f64); 4] = [("mm", 1.0), ("cm", 10.0), ("in", 25.4), ("px", 25.4 / 96.0)];
+
 /// Units of size on disk, decimal and binary, with their size \[bytes\].
 const SIZES: [(&str, f64); 10] = [
     ("kB", 1e3),
@@ -63,6 +66,15 @@ pub fn length_or_zero(text: &str) -> Result<f64> {
         return Err(Error::usage(format!("'{}' is out of range", text.trim()), "write 0.001nm to 1m"));
     }
     Ok(value)
+}
+
+/// Parses a positive length on paper or on a screen such as `85mm`, `18cm`, `7in` or `800px` \[mm\].
+///
+/// # Errors
+/// No number, a missing or unknown unit, a number that is not finite and positive.
+pub fn page_length(text: &str) -> Result<f64> {
+    let value = with_unit(text, &PAGE_LENGTHS, "85mm, 18cm, 7in or 800px")?;
+    if value > 0.0 { Ok(value) } else { Err(not_positive(text)) }
 }
 
 /// Parses one length for both axes, or two as in `80nmx90nm` (`x` or `×`) \[µm\].

@@ -11,12 +11,13 @@ const FLOORS: [(&str, &[&str]); 28] = [
     ("filter", &[]),
     ("units", &["error"]),
     ("input", &["error"]),
+    ("notes", &[]),
     ("output", &["error"]),
     ("memory", &["error"]),
     ("random", &["error"]),
     ("fft_size", &["error"]),
     ("files", &["error", "output"]),
-    ("figure", &["error", "output"]),
+    ("figure", &["error", "notes", "output"]),
     ("vk", &["error", "memory"]),
     ("surface", SMALL),
     ("cache", &["surface", "error", "memory", "output"]),
@@ -49,6 +50,7 @@ const FLOORS: [(&str, &[&str]); 28] = [
             "error",
             "input",
             "memory",
+            "notes",
             "output",
             "random",
             "tolerance",
@@ -61,7 +63,7 @@ const FLOORS: [(&str, &[&str]); 28] = [
             "error", "input", "memory", "output", "random",
         ],
     ),
-    ("picture_file", &["render", "error", "output"]),
+    ("picture_file", &["render", "error", "notes", "output"]),
     (
         "setup",
         &[
@@ -107,6 +109,7 @@ const FLOORS: [(&str, &[&str]); 28] = [
             "error",
             "input",
             "memory",
+            "notes",
             "output",
             "random",
             "units",
@@ -137,6 +140,7 @@ const FLOORS: [(&str, &[&str]); 28] = [
             "error",
             "input",
             "memory",
+            "notes",
             "output",
             "random",
             "tolerance",
@@ -146,7 +150,7 @@ const FLOORS: [(&str, &[&str]); 28] = [
 ];
 
 /// The small modules, which import nothing but the error.
-const SMALL: &[&str] = &["error", "fft_size", "input", "memory", "output", "random", "units"];
+const SMALL: &[&str] = &["error", "fft_size", "input", "memory", "notes", "output", "random", "units"];
 
 /// Files of `src/`, relative to it.
 fn sources() -> Vec<PathBuf> {

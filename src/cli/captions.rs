@@ -1,18 +1,24 @@
 //! Settings as text for the captions of figures.
 
 use super::options::OpticsOptions;
+use crate::notes::Notes;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::validity::{LightColour, ScalarTheory};
-use crate::picture_file::{Notes, quoted};
+use crate::picture_file::quoted;
 use crate::scene::FarLight;
 use crate::settings::Method;
 use crate::surface::HeightField;
 use std::ffi::OsString;
 
+/// Returns the notes of a result of this process from `field`.
+pub fn notes(field: &HeightField) -> Notes {
+    Notes::new(own_command(), field.prepared())
+}
+
 /// Returns the notes of a picture that this process draws of `field`, which reflects by `reflectance`, in light of this colour.
-pub fn notes(field: &HeightField, reflectance: &Reflectance, colour: LightColour<'_>) -> Notes {
-    Notes::new(own_command(), ScalarTheory::note(field, reflectance, colour))
+pub fn picture_notes(field: &HeightField, reflectance: &Reflectance, colour: LightColour<'_>) -> Notes {
+    notes(field).with_scalar_theory(ScalarTheory::note(field, reflectance, colour))
 }
 
 /// Returns the command of this process, as a shell takes it, without the names of results.
@@ -35,9 +41,12 @@ fn command(words: impl IntoIterator<Item = OsString>, frame: Option<u32>) -> Str
     let mut words = words.into_iter().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = words.next() {
         let name = word.split('=').next().unwrap_or_default();
-        if ["-o", "--output", "--plot", "--json", "--html", "--cache-size", "--frames"].contains(&name) {
-            // The value is the next word unless it stands in this one.
-            if name == word {
+        if ["-o", "--output", "--plot", "--json", "--spectrum", "--html", "--cache-size", "--frames"]
+            .contains(&name)
+        {
+            // The value is the next word unless it stands in this one. `surface info` writes its JSON to stdout.
+            let has_value = name != "--json" || !kept.iter().any(|word| word == "info");
+            if name == word && has_value {
                 words.next();
             }
         } else if !word.starts_with("-o") {
@@ -82,15 +91,16 @@ pub fn optics(options: &OpticsOptions) -> String {
     format!("{method}; coherence {}{windows}; {surface}", coherence(&options.coherence))
 }
 
-/// Describes a surface: name, size, sample spacing and height.
+/// Describes a surface: name, size, sample spacing, height and preparation.
 pub fn surface(name: &str, field: &HeightField) -> String {
     let [width, height] = field.patch_size().map(rounded);
     let [dx, dy] = field.pixel_size().map(|d| (d * 1e4).round() / 10.0);
     let (low, high) = field.range();
     let spacing = if dx == dy { format!("{dx} nm") } else { format!("{dx} × {dy} nm") };
     format!(
-        "{name}, a patch of {width} × {height} µm, samples {spacing} apart, {} nm high",
-        rounded((high - low) * 1e3)
+        "{name}, a patch of {width} × {height} µm, samples {spacing} apart, {} nm high, prepared by: {}",
+        rounded((high - low) * 1e3),
+        field.prepared()
     )
 }
 

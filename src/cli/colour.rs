@@ -4,8 +4,10 @@ mod figure;
 mod geometry;
 pub(super) mod readings;
 
-use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
-use super::{evaluation, write};
+use super::options::{
+    CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions,
+};
+use super::{captions, evaluation, write};
 use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
 use crate::files::Files;
@@ -79,6 +81,8 @@ pub struct Arguments {
     /// Draw the colours in CIELAB as SVG or PNG, and with --spectrum the spectra
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureOptions,
     /// Write the answer as JSON too
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     json: Option<PathBuf>,
@@ -134,6 +138,8 @@ struct AngleReadings<'a> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
+    let style =
+        arguments.figure.style(arguments.plot.is_some(), figure::panels(arguments.spectrum.is_some()))?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
@@ -156,8 +162,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.spectrum {
         write::text(Some(path), &spectrum_table(&readings, &wavelengths, &spectra)?)?;
     }
+    let notes = captions::notes(&field);
     if let Some(path) = &arguments.json {
-        write::json(path, &AngleReadings::new(&readings, &illuminant, white, arguments.aperture))?;
+        let report = AngleReadings::new(&readings, &illuminant, white, arguments.aperture);
+        write::json(path, &write::with_origin(&report, &notes))?;
     }
     write::text(arguments.output.as_deref(), &table(&readings)?)?;
     let drawn = ColourFigure {
@@ -167,7 +175,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         wavelengths: &wavelengths,
         spectra: &spectra,
     };
-    arguments.plot.as_deref().map_or(Ok(()), |path| drawn.draw().save(path))
+    arguments.plot.as_deref().map_or(Ok(()), |path| drawn.draw().save(path, &style, &notes))
 }
 
 /// Returns the geometries that are asked for, unanswered.

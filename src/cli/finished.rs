@@ -4,7 +4,8 @@ use crate::cache::{EntryFormat, Key};
 use crate::error::{self, Error, Result};
 use crate::input::PictureFile;
 use crate::memory;
-use crate::picture_file::{self, Notes, PictureFormat};
+use crate::notes::Notes;
+use crate::picture_file::{self, PictureFormat};
 use crate::render::frame::View;
 use crate::render::object::ObjectTextures;
 use crate::render::renderer::Picture;
@@ -161,6 +162,7 @@ fn decoded(path: &Path) -> Result<([u32; 2], Vec<u8>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::notes::PreparationRecord;
 
     /// Returns a picture with the notes of a frame in both formats.
     fn written(folder: &Path) -> Vec<std::path::PathBuf> {
@@ -179,7 +181,9 @@ mod tests {
         let write = |name: &str| {
             let path = folder.join(name);
             let format = PictureFormat::of(&path).unwrap();
-            let mut notes = Notes::new("diffract render plätze".to_owned(), "λ ≪ d".to_owned());
+            let mut notes =
+                Notes::new("diffract render plätze".to_owned(), &PreparationRecord::parse("despike"))
+                    .with_scalar_theory("λ ≪ d".to_owned());
             notes.more.push((NOTE.to_owned(), "a key, picture 3".to_owned()));
             picture_file::write(&path, format, &picture, &sealed(notes, format, &picture)).unwrap();
             path

@@ -1,12 +1,14 @@
 //! Options that several commands share, with the same word and meaning in each.
 
 mod display;
+mod figure;
 mod preparation;
 mod reflectance;
 mod surface_options;
 mod view;
 
 pub use display::Exposure;
+pub use figure::FigureOptions;
 #[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
 pub use reflectance::{ReflectanceOptions, ior};

@@ -3,16 +3,14 @@
 mod figure;
 mod sweep;
 
-use super::evaluation;
-use super::options::{ReflectanceOptions, SurfaceOptions, share};
-use super::prepare;
+use super::options::{FigureOptions, ReflectanceOptions, SurfaceOptions, share};
 use super::progress::Progress;
-use super::{say, write};
+use super::{captions, evaluation, prepare, say, write};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
 use crate::error::{Error, Result};
-use crate::figure::FigureFormat;
+use crate::figure::{FigureFormat, FigureStyle};
 use crate::files::Files;
 use crate::optics::coherence::Beyond;
 use crate::optics::geometry::{angles, direction};
@@ -73,6 +71,8 @@ pub struct Arguments {
     /// Draw the efficiencies of a sweep as SVG or PNG
     #[arg(long, value_name = "FILE", requires = "sweep")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureOptions,
     /// Smallest efficiency of an order that is written
     #[arg(long, value_name = "SHARE", value_parser = least, allow_hyphen_values = true, default_value = "1e-9")]
     least: f64,
@@ -104,6 +104,7 @@ fn least(text: &str) -> Result<f64> {
 /// Computes the orders and writes them.
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
+    let style = arguments.figure.style(arguments.plot.is_some(), &figure::PANELS)?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()).map(Path::new))
         .reads(arguments.surface_reflectance.files().map(Path::new))
@@ -126,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let cell = field.unit_cell()?;
     match &sweep {
-        Some(sweep) => run_sweep(arguments, sweep, &field, &cell, &reflectance),
+        Some(sweep) => run_sweep(arguments, sweep, &field, &cell, &reflectance, &style),
         None => run_single(arguments, &field, &cell, &reflectance),
     }
 }
@@ -163,12 +164,16 @@ fn run_sweep(
     field: &HeightField,
     cell: &HeightField,
     reflectance: &Reflectance,
+    style: &FigureStyle,
 ) -> Result<()> {
     let runs = sweep::of(arguments, sweep, field, cell, reflectance)?;
     sweep::tell(sweep, &runs);
     write::text(arguments.output.as_deref(), &sweep::table(&runs)?)?;
     match &arguments.plot {
-        Some(path) => figure::figure(arguments, sweep, field, reflectance, &runs).save(path),
+        Some(path) => {
+            let drawn = figure::figure(arguments, sweep, field, reflectance, &runs);
+            drawn.save(path, style, &captions::notes(field))
+        }
         None => Ok(()),
     }
 }

@@ -12,10 +12,11 @@ use super::{captions, prepare, scale};
 use crate::error::{Error, Remedy, Result};
 use crate::files::Files;
 use crate::measure::error;
+use crate::notes::Notes;
 use crate::optics::nufft;
 use crate::optics::spectrum::SHORTEST;
 use crate::optics::validity::LightColour;
-use crate::picture_file::{self, Notes, PictureFormat};
+use crate::picture_file::{self, PictureFormat};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
 use crate::render::light_passes::LightPass;
@@ -149,7 +150,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// State that all pictures of a run share.
 struct PictureWork<'a> {
     scene: &'a Scene,
-    field: &'a HeightField,
+    field: &'a Arc<HeightField>,
     /// Surfaces of all objects.
     surfaces: &'a [ObjectSurface],
     settings: &'a PictureSettings,
@@ -160,12 +161,17 @@ struct PictureWork<'a> {
 }
 
 impl PictureWork<'_> {
-    /// Returns the notes of a picture, with the errors of scalar theory for the first object.
+    /// Returns the notes of a picture, with the errors of scalar theory for the first object and the preparation of all surfaces.
     fn notes(&self) -> Notes {
         let first = self.surfaces.first();
         let optics = first.map_or(&self.settings.source.optics, |surface| &surface.source.optics);
         let colour = LightColour::Spectrum(&optics.illuminant);
-        captions::notes(self.field, &optics.reflectance, colour)
+        let mut notes = captions::picture_notes(self.field, &optics.reflectance, colour);
+        for (number, surface) in self.surfaces.iter().enumerate().skip(1) {
+            let field = surface.field.as_ref().filter(|field| !Arc::ptr_eq(field, self.field));
+            notes.more.extend(field.map(|f| (format!("Prepared {}", number + 1), f.prepared().to_string())));
+        }
+        notes
     }
 }
 

@@ -10,11 +10,12 @@ pub(super) mod plot;
 #[cfg(test)]
 mod worked_example;
 
-use super::options::{SurfaceOptions, seed};
-use super::write;
+use super::options::{FigureOptions, SurfaceOptions, seed};
+use super::{captions, write};
 use crate::error::{Error, Result};
-use crate::figure;
+use crate::figure::{self, FigureStyle};
 use crate::files::Files;
+use crate::notes::Notes;
 use crate::optics::material::Material;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
@@ -35,9 +36,9 @@ use std::path::PathBuf;
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Statistics of a height field, and the cost of its optics
-    Info(Info),
+    Info(Box<Info>),
     /// Statistics and predicted colours of several height fields beside each other
-    Compare(compare::CompareArguments),
+    Compare(Box<compare::CompareArguments>),
     /// Write a height field, prepared if asked, in another format
     Convert(convert::Convert),
     /// Write a generated height field to a file
@@ -71,6 +72,8 @@ pub struct Info {
     /// Draw a figure of the heights, profiles, spectra, distributions and the predicted colours: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureOptions,
 }
 
 /// Arguments of `surface synth`.
@@ -136,13 +139,14 @@ fn info(arguments: &Info) -> Result<()> {
     if let Some(path) = &arguments.plot {
         figure::FigureFormat::of(path)?;
     }
+    let style = arguments.figure.style(arguments.plot.is_some(), &plot::PANELS)?;
     let name = arguments.surface_name.as_deref();
     let material = arguments.reflectance().file();
     Files::new().reads(arguments.surface.files(name)).reads(&material).writes(&arguments.plot).check()?;
     let source = arguments.surface.source(name, None, "elaphe")?;
     let scan = arguments.surface.read(&source)?;
     if arguments.json {
-        return report(arguments, &source, scan);
+        return report(arguments, &style, &source, scan);
     }
     let file: String =
         report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
@@ -150,28 +154,31 @@ fn info(arguments: &Info) -> Result<()> {
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(&source, &field, &statistics, &theory)?.save(path)?;
+        plot::figure(&source, &field, &statistics, &theory)?.save(path, &style, &captions::notes(&field))?;
     }
-    write::stdout(&(file + &describe::text(&source, &field, &statistics, &theory)?))
+    write::stdout(&(file + &describe::text(&field, &statistics, &theory)?))
 }
 
 /// Prints the report as JSON. Without preparation steps it is about the heights of the file, including gaps.
-fn report(arguments: &Info, source: &SurfaceSource, scan: Topography) -> Result<()> {
+fn report(arguments: &Info, style: &FigureStyle, source: &SurfaceSource, scan: Topography) -> Result<()> {
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
     let scan =
         if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
+    let notes = Notes::new(captions::own_command(), scan.prepared());
     let report = report::SurfaceReport::of(&scan, origin.as_ref(), invalid);
     let field = match scan.into_field() {
         Ok(field) => field,
-        Err(e) if arguments.plot.is_none() => return write::stdout(&report.without_statistics(&e).json()?),
+        Err(e) if arguments.plot.is_none() => {
+            return write::stdout(&report.without_statistics(&e).json(&notes)?);
+        }
         Err(e) => return Err(e),
     };
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(source, &field, &statistics, &theory)?.save(path)?;
+        plot::figure(source, &field, &statistics, &theory)?.save(path, style, &notes)?;
     }
-    write::stdout(&report.with_statistics(source, &field, statistics, theory)?.json()?)
+    write::stdout(&report.with_statistics(&field, statistics, theory)?.json(&notes)?)
 }
 
 fn synthesise(arguments: &Synth) -> Result<()> {

@@ -6,7 +6,9 @@
 use super::{eval, options, range, sequence, usage};
 use crate::cache::{self, Kept, Key};
 use crate::error::{Error, Result};
+use crate::figure::FigureStyle;
 use crate::measure::trade;
+use crate::notes::Notes;
 use crate::optics::color::Tone;
 use crate::optics::material::Material;
 use crate::optics::reflectance::Film;
@@ -173,7 +175,9 @@ fn sweep(bytes: &[u8]) -> Result<()> {
     assert_eq!(trade::from_csv(&written, "f"), rows, "rows that are not read back as they are");
     trade::markdown(&rows, "A machine.", &[]);
     trade::wanted(&rows, Some(1e-2), Some(15.0));
-    super::trade::figure(&rows, "Speed against accuracy", "A machine.").svg().map(drop)
+    super::trade::figure(&rows, "Speed against accuracy", "A machine.")
+        .svg(&FigureStyle::default(), &Notes::default())
+        .map(drop)
 }
 
 /// Parses the bytes as every kind of value of options and scenes.

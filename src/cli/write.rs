@@ -2,7 +2,9 @@
 
 use super::closed_stdout;
 use crate::error::{self, Error, Result};
+use crate::notes::Notes;
 use crate::output;
+use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
@@ -76,12 +78,33 @@ fn no_csv(e: &dyn std::fmt::Display) -> Error {
     Error::failed(format!("the table is no CSV ({e})"), "report this as a bug of diffract")
 }
 
-/// Writes `report` as JSON to the file `path`.
-pub fn json(path: &Path, report: &impl serde::Serialize) -> Result<()> {
+/// Report with its origin, for JSON.
+#[derive(Serialize)]
+struct ReportWithOrigin<'a, R> {
+    #[serde(flatten)]
+    report: &'a R,
+    origin: &'a Notes,
+}
+
+/// Returns `report`, which is an object in JSON, with its `notes` as the last key, `origin`.
+pub fn with_origin<'a>(report: &'a impl Serialize, notes: &'a Notes) -> impl Serialize + 'a {
+    ReportWithOrigin { report, origin: notes }
+}
+
+/// Returns `report` as indented JSON.
+///
+/// # Errors
+/// Never, if its numbers are finite.
+pub fn json_text(report: &impl Serialize) -> Result<String> {
     let json = serde_json::to_string_pretty(report).map_err(|e| {
         Error::failed(format!("the report is no JSON ({e})"), "report this as a bug of diffract")
     })?;
-    text(Some(path), &(json + "\n"))
+    Ok(json + "\n")
+}
+
+/// Writes `report` as JSON to the file `path`.
+pub fn json(path: &Path, report: &impl Serialize) -> Result<()> {
+    text(Some(path), &json_text(report)?)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{ExportSettings, ExportedMaterial};
 use crate::error::{Error, Result};
+use crate::notes::{self, PreparationRecord};
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::surface::HeightField;
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,9 @@ pub struct MaterialDescription {
     pub command: String,
     /// Meaning of axes, signs and units, in words.
     pub conventions: BTreeMap<String, String>,
+    /// Steps that prepared the heights, oldest first.
+    #[serde(default)]
+    pub prepared_by: PreparationRecord,
     /// The surface.
     pub surface: SurfaceFacts,
     /// Coherence length of the light \[µm\]: four standard deviations of the coherence window.
@@ -159,12 +163,13 @@ impl MaterialDescription {
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
-            program: concat!("diffract ", env!("CARGO_PKG_VERSION")).to_owned(),
+            program: notes::software().to_owned(),
             command,
             conventions: CONVENTIONS
                 .iter()
                 .map(|(name, text)| ((*name).to_owned(), (*text).to_owned()))
                 .collect(),
+            prepared_by: field.prepared().clone(),
             surface: SurfaceFacts::new(field),
             coherence_length_um: 4.0 * settings.sigma,
             beyond: settings.beyond.name().to_owned(),

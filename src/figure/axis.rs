@@ -88,9 +88,28 @@ impl Axis {
         let decades = (self.high / self.low).log10().abs();
         let ticks = match self.scale {
             AxisScale::Log if decades > 0.7 => log_ticks(self.low, self.high, decades, wanted),
-            _ => linear_ticks(self.low, self.high, wanted),
+            _ => return self.linear_ticks(wanted),
         };
-        ticks.into_iter().filter(|t| (-1e-9..=1.0 + 1e-9).contains(&self.share(t.value))).collect()
+        ticks.into_iter().filter(|tick| self.holds(tick)).collect()
+    }
+
+    /// Returns linear ticks, more than are `wanted` where these are no scale.
+    fn linear_ticks(&self, wanted: usize) -> Vec<Tick> {
+        /// Fewest ticks that make a scale, and largest multiple of the wanted number that is tried.
+        const FEWEST: usize = 2;
+        const MOST: usize = 4;
+        let ticks = |wanted: usize| -> Vec<Tick> {
+            linear_ticks(self.low, self.high, wanted).into_iter().filter(|tick| self.holds(tick)).collect()
+        };
+        let tried = (wanted..=MOST * wanted.max(1)).map(ticks);
+        tried.into_iter().find(|ticks| ticks.len() >= FEWEST).unwrap_or_else(|| ticks(wanted))
+    }
+
+    /// Returns true if `tick` is on the axis.
+    fn holds(&self, tick: &Tick) -> bool {
+        /// Rounding of a share of the axis.
+        const ROUNDING: f64 = 1e-9;
+        (-ROUNDING..=1.0 + ROUNDING).contains(&self.share(tick.value))
     }
 }
 
@@ -172,6 +191,7 @@ mod tests {
         assert_eq!(labels(&Axis::linear("", 380.0, 780.0), 4), ["400", "500", "600", "700"]);
         assert_eq!(labels(&Axis::linear("", -3.0, 4.0), 4), ["−2", "0", "2", "4"]);
         assert_eq!(labels(&Axis::linear("", 0.0, 4e-7), 2), ["0", "2·10⁻⁷", "4·10⁻⁷"]);
+        assert_eq!(labels(&Axis::linear("", -9.9, 9.9), 2), ["−5", "0", "5"], "one tick is no scale");
         assert_eq!(labels(&Axis::linear("", 4.0, -3.0), 4), ["−2", "0", "2", "4"], "a falling axis");
     }
 

@@ -1,7 +1,8 @@
 //! Draws a panel: lays out its plot, then draws axes, marks and colour bar.
 
 use super::axis::Axis;
-use super::layout::{Area, GAP, SAMPLE, TICK, TITLE, letters};
+use super::heading::Heading;
+use super::layout::{Area, GAP, TICK, letters};
 use super::marks;
 use super::palette::{Color, ColorMap, FAINT, INK, PAPER, QUIET};
 use super::panel::{Panel, PlotFrame};
@@ -18,69 +19,85 @@ const BAR: f64 = 14.0;
 /// Lengths of labelled and of unlabelled ticks \[px\].
 const LONG: f64 = 5.0;
 const SHORT: f64 = 3.0;
+/// Width of the ring of angles around a hemisphere \[px\].
+const RIM: f64 = TICK + GAP;
 /// Length of an axis per labelled tick, along x and along y \[px\].
 const PER_TICK: [f64; 2] = [85.0, 50.0];
 
-/// Draws `panel` within `area`.
-pub(super) fn panel(svg: &mut Svg, panel: &Panel, area: Area) -> Result<()> {
-    let top = heading(svg, panel, area);
-    let room = Area { at: [area.at[0], top], size: [area.size[0], area.bottom() - top] };
-    let plot = match panel.frame {
-        PlotFrame::Box { equal } => {
-            let plot = inside_of_labels(panel, room);
-            let ratio = (panel.y.high - panel.y.low).abs() / (panel.x.high - panel.x.low).abs();
-            if equal { plot.shaped(ratio) } else { plot }
-        }
-        PlotFrame::Hemisphere => {
-            let rim = TICK + GAP;
-            let bar = bar_room(panel);
-            let inner = [room.size[0] - 4.0 * rim - bar, room.size[1] - 2.0 * rim];
-            Area { at: [room.at[0] + 2.0 * rim, room.at[1] + rim], size: inner }.shaped(1.0)
-        }
-    };
-    if let Some(raster) = &panel.raster {
-        picture(svg, raster, plot)?;
+/// Panel with its heading, laid out for its width.
+pub(super) struct PanelLayout<'a> {
+    panel: &'a Panel,
+    heading: Heading<'a>,
+    width: f64,
+}
+
+impl<'a> PanelLayout<'a> {
+    /// Lays out `panel` for a width of `width` \[px\].
+    pub(super) fn new(panel: &'a Panel, width: f64) -> Self {
+        Self { panel, heading: Heading::new(panel, width), width }
     }
-    match panel.frame {
-        PlotFrame::Box { .. } => axes(svg, panel, plot),
-        PlotFrame::Hemisphere => hemisphere(svg, panel, plot),
+
+    /// Returns the height \[px\] at which nothing stays empty, and the plot has at most this `aspect`.
+    pub(super) fn height(&self, aspect: f64) -> f64 {
+        let tallest = aspect * self.width;
+        let room = Area { at: [0.0; 2], size: [self.width, tallest] };
+        let whole = match self.panel.frame {
+            PlotFrame::Box { equal: false } => tallest,
+            PlotFrame::Box { equal: true } => {
+                let plot = inside_of_labels(self.panel, room);
+                tallest - plot.size[1] + plot.size[0] * aspect_of(self.panel)
+            }
+            PlotFrame::Hemisphere => {
+                let plot = inside_of_rim(self.panel, room);
+                tallest - plot.size[1] + plot.size[0]
+            }
+        };
+        self.heading.height + whole.min(tallest)
     }
-    for (mark, _) in &panel.marks {
-        marks::draw(svg, mark, panel, plot);
-    }
-    scale_bar(svg, panel, plot);
-    match panel.raster.as_ref().and_then(|r| r.scale.as_ref()) {
-        Some(scale) => {
-            let shift = if panel.frame == PlotFrame::Hemisphere { 2.0 * (TICK + GAP) } else { 2.0 * GAP };
-            let at = [plot.right() + shift, plot.at[1]];
-            color_bar(svg, scale, Area { at, size: [BAR, plot.size[1]] })
+
+    /// Draws the panel within `area`.
+    pub(super) fn draw(&self, svg: &mut Svg, area: Area) -> Result<()> {
+        let panel = self.panel;
+        self.heading.draw(svg, area.at);
+        let top = area.at[1] + self.heading.height;
+        let room = Area { at: [area.at[0], top], size: [area.size[0], area.bottom() - top] };
+        let plot = match panel.frame {
+            PlotFrame::Box { equal: false } => inside_of_labels(panel, room),
+            PlotFrame::Box { equal: true } => inside_of_labels(panel, room).shaped(aspect_of(panel)),
+            PlotFrame::Hemisphere => inside_of_rim(panel, room).shaped(1.0),
+        };
+        if let Some(raster) = &panel.raster {
+            picture(svg, raster, &panel.frame, plot)?;
         }
-        None => Ok(()),
+        match panel.frame {
+            PlotFrame::Box { .. } => axes(svg, panel, plot),
+            PlotFrame::Hemisphere => hemisphere(svg, panel, plot),
+        }
+        for (mark, _) in &panel.marks {
+            marks::draw(svg, mark, panel, plot);
+        }
+        scale_bar(svg, panel, plot);
+        match panel.raster.as_ref().and_then(|r| r.scale.as_ref()) {
+            Some(scale) => {
+                let shift = if panel.frame == PlotFrame::Hemisphere { 2.0 * RIM } else { 2.0 * GAP };
+                let at = [plot.right() + shift, plot.at[1]];
+                color_bar(svg, scale, Area { at, size: [BAR, plot.size[1]] })
+            }
+            None => Ok(()),
+        }
     }
 }
 
-/// Draws title and legend; returns the y below them.
-fn heading(svg: &mut Svg, panel: &Panel, area: Area) -> f64 {
-    let mut y = area.at[1];
-    if !panel.title.is_empty() {
-        let title = Letters { weight: Weight::Strong, ..letters(TITLE, INK, Anchor::Start) };
-        svg.text([area.at[0], y + TITLE], &panel.title, title, None);
-        y += TITLE + 1.5 * GAP;
-    }
-    let mut x = area.at[0];
-    let names = panel.marks.iter().filter_map(|(mark, name)| name.as_ref().map(|name| (mark, name)));
-    let mut any = false;
-    for (mark, name) in names {
-        let needed = 2.0 * SAMPLE + GAP + width(name, TICK, Weight::Regular);
-        if any && x + needed > area.right() {
-            (x, y) = (area.at[0], y + TICK + GAP);
-        }
-        marks::sample(svg, mark, [x + SAMPLE, y + TICK * 0.6]);
-        svg.text([x + 2.0 * SAMPLE + GAP, y + TICK], name, letters(TICK, INK, Anchor::Start), None);
-        x += needed + 2.5 * GAP;
-        any = true;
-    }
-    y + if any { TICK + 1.5 * GAP } else { 0.0 }
+/// Returns height over width of a plot in which a length of x is as long as one of y.
+fn aspect_of(panel: &Panel) -> f64 {
+    (panel.y.high - panel.y.low).abs() / (panel.x.high - panel.x.low).abs()
+}
+
+/// Returns the part of `room` that angles, scale bar and colour bar leave for a hemisphere.
+fn inside_of_rim(panel: &Panel, room: Area) -> Area {
+    let below = if panel.scale_bar.is_some() { TICK + GAP } else { 0.0 };
+    let size = [room.size[0] - 4.0 * RIM - bar_room(panel), room.size[1] - 2.0 * RIM - below];
+    Area { at: [room.at[0] + 2.0 * RIM, room.at[1] + RIM], size }
 }
 
 /// Returns the part of `room` that ticks, labels and colour bar leave for the plot.
@@ -111,11 +128,23 @@ fn bar_room(panel: &Panel) -> f64 {
         .map_or(0.0, |scale| 2.0 * GAP + BAR + LONG + widest_tick(&scale.axis, 300.0) + 2.0 * GAP + LABEL)
 }
 
-fn picture(svg: &mut Svg, raster: &Raster, plot: Area) -> Result<()> {
+fn picture(svg: &mut Svg, raster: &Raster, frame: &PlotFrame, plot: Area) -> Result<()> {
     // Smooth when reduced; when enlarged, the pixels stay sharp.
     let smooth = raster.size[0] as f64 > plot.size[0] || raster.size[1] as f64 > plot.size[1];
-    svg.image(plot.at, plot.size, &raster.png()?, smooth);
+    if *frame == PlotFrame::Hemisphere {
+        let radius = plot.size[0] / 2.0;
+        let (centre, png) = ([plot.at[0] + radius, plot.at[1] + radius], raster.beyond_rim().png()?);
+        svg.clipped_to_circle(centre, radius, |svg| svg.image(plot.at, plot.size, &png, smooth));
+    } else {
+        svg.image(plot.at, plot.size, &raster.png()?, smooth);
+    }
     Ok(())
+}
+
+/// Returns `letters`, or as much smaller ones that the line `text` is no longer than `length` \[px\].
+fn fitting(text: &str, letters: Letters, length: f64) -> Letters {
+    let needed = width(text, letters.size, letters.weight);
+    Letters { size: letters.size * (length / needed).min(1.0), ..letters }
 }
 
 /// Draws grid, frame, ticks and labels of a box.
@@ -145,9 +174,10 @@ fn axes(svg: &mut Svg, panel: &Panel, plot: Area) {
     svg.frame(plot.at, plot.size, frame);
     let middle = letters(LABEL, INK, Anchor::Middle);
     let below = bottom + LONG + TICK + GAP + LABEL;
-    svg.text([left + plot.size[0] / 2.0, below], &panel.x.label, middle, None);
+    let along_x = fitting(&panel.x.label, middle, plot.size[0]);
+    svg.text([left + plot.size[0] / 2.0, below], &panel.x.label, along_x, None);
     let beside = left - LONG - 0.5 * GAP - widest_tick(&panel.y, plot.size[1]) - GAP;
-    let upward = Letters { upward: true, ..middle };
+    let upward = Letters { upward: true, ..fitting(&panel.y.label, middle, plot.size[1]) };
     svg.text([beside, top + plot.size[1] / 2.0], &panel.y.label, upward, None);
 }
 
@@ -179,7 +209,9 @@ fn hemisphere(svg: &mut Svg, panel: &Panel, plot: Area) {
     let (sin, cos) = (75f64).to_radians().sin_cos();
     let light =
         panel.raster.as_ref().and_then(|r| r.scale.as_ref()).is_some_and(|s| s.map == ColorMap::Difference);
-    let (color, halo) = if light { (INK, PAPER) } else { (PAPER, INK) };
+    // Over the raster, whose colours are those of every theme.
+    let (dark, bright) = (Color([0x16, 0x18, 0x1b]), Color([0xfa, 0xfa, 0xfa]));
+    let (color, halo) = if light { (dark, bright) } else { (bright, dark) };
     for theta in [30.0f64, 60.0] {
         let out = radius * theta.to_radians().sin();
         let at = [centre[0] + out * cos, centre[1] - out * sin + 0.36 * TICK];
@@ -188,15 +220,18 @@ fn hemisphere(svg: &mut Svg, panel: &Panel, plot: Area) {
     }
 }
 
-/// Draws the scale bar in the lower left corner.
+/// Draws the scale bar: in the lower left corner of a box, below a hemisphere.
 fn scale_bar(svg: &mut Svg, panel: &Panel, plot: Area) {
     let Some((length, label)) = &panel.scale_bar else { return };
     let long = length / (panel.x.high - panel.x.low).abs() * plot.size[0];
-    let [x, y] = match panel.frame {
-        PlotFrame::Box { .. } => [plot.at[0] + 2.0 * GAP, plot.bottom() - 2.0 * GAP],
-        PlotFrame::Hemisphere => [plot.at[0] - 2.0 * (TICK + GAP), plot.bottom() + 0.5 * GAP],
-    };
-    if panel.raster.is_some() && matches!(panel.frame, PlotFrame::Box { .. }) {
+    if panel.frame == PlotFrame::Hemisphere {
+        let [x, y] = [plot.at[0] - 2.0 * RIM, plot.bottom() + RIM + 0.5 * TICK];
+        svg.line([x, y], [x + long, y], Stroke::new(INK, 3.0));
+        svg.text([x + long + GAP, y + 0.36 * TICK], label, letters(TICK, INK, Anchor::Start), None);
+        return;
+    }
+    let [x, y] = [plot.at[0] + 2.0 * GAP, plot.bottom() - 2.0 * GAP];
+    if panel.raster.is_some() {
         svg.line([x - 1.0, y], [x + long + 1.0, y], Stroke::new(PAPER, 5.0));
     }
     svg.line([x, y], [x + long, y], Stroke::new(INK, 3.0));
@@ -218,7 +253,8 @@ fn color_bar(svg: &mut Svg, scale: &raster::ColorScale, area: Area) -> Result<()
     }
     let widest = widest_tick(&scale.axis, area.size[1]);
     let at = [area.right() + LONG + widest + 1.5 * GAP + 0.7 * LABEL, area.at[1] + area.size[1] / 2.0];
-    let upward = Letters { upward: true, ..letters(LABEL, INK, Anchor::Middle) };
+    let middle = fitting(&scale.axis.label, letters(LABEL, INK, Anchor::Middle), area.size[1]);
+    let upward = Letters { upward: true, ..middle };
     svg.text(at, &scale.axis.label, upward, None);
     Ok(())
 }

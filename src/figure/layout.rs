@@ -10,6 +10,8 @@ pub(super) const TITLE: f64 = 15.0;
 pub(super) const TICK: f64 = 12.0;
 /// Space between neighbouring elements \[px\].
 pub(super) const GAP: f64 = 8.0;
+/// Margin around everything and between panels \[px\].
+pub(super) const MARGIN: f64 = 24.0;
 /// Half the width of a legend's sample \[px\].
 pub(super) const SAMPLE: f64 = 11.0;
 

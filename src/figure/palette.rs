@@ -37,6 +37,33 @@ pub const ORANGE: Color = Color([0xe6, 0x9f, 0x00]);
 /// Sky blue of [`SERIES`].
 pub const SKY: Color = Color([0x56, 0xb4, 0xe9]);
 
+/// Colours of paper and letters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Theme {
+    /// Dark letters on white.
+    #[default]
+    Light,
+    /// Light letters on a dark ground, for slides and screens.
+    Dark,
+}
+
+impl Theme {
+    /// Returns the colour that takes the place of `color`, which is one of the palette's, on this ground.
+    pub fn shown(self, color: Color) -> Color {
+        /// Blue that is as far from the dark ground as the palette's is from white.
+        const LIGHT_BLUE: Color = Color([0x4d, 0xa6, 0xe0]);
+        match (self, color) {
+            (Self::Light, color) => color,
+            (Self::Dark, INK) => Color([0xe8, 0xea, 0xed]),
+            (Self::Dark, QUIET) => Color([0xb0, 0xb7, 0xbf]),
+            (Self::Dark, FAINT) => Color([0x3a, 0x40, 0x47]),
+            (Self::Dark, PAPER) => Color([0x1b, 0x1e, 0x22]),
+            (Self::Dark, BLUE) => LIGHT_BLUE,
+            (Self::Dark, color) => color,
+        }
+    }
+}
+
 /// Map from values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColorMap {

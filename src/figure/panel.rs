@@ -83,6 +83,8 @@ pub enum PlotFrame {
 /// Coordinate system and its marks, in drawing order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
+    /// Name by which a style chooses the panel; empty if it is always drawn.
+    pub name: &'static str,
     /// Title above the panel; empty for none.
     pub title: String,
     /// Axis to the right.
@@ -102,6 +104,7 @@ impl Panel {
     /// Returns an empty panel with a box around.
     pub fn new(x: Axis, y: Axis) -> Self {
         Self {
+            name: "",
             title: String::new(),
             x,
             y,
@@ -122,6 +125,13 @@ impl Panel {
     #[must_use]
     pub fn to_scale(mut self) -> Self {
         self.frame = PlotFrame::Box { equal: true };
+        self
+    }
+
+    /// Gives the panel the name by which a style chooses it.
+    #[must_use]
+    pub fn called(mut self, name: &'static str) -> Self {
+        self.name = name;
         self
     }
 

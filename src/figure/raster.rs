@@ -64,6 +64,31 @@ impl Raster {
         Self { size: [columns, pixels.len() / columns.max(1)], pixels, scale: None }
     }
 
+    /// Returns the raster of a hemisphere with its colours at the rim continued outward, so that the circle of the rim cuts pixels that have
+    /// a colour. A pixel whose middle is outside gets the colour of the nearest one on its way to the middle of the disc.
+    pub(super) fn beyond_rim(&self) -> Self {
+        /// Distance beyond the rim that is filled, and longest way to a pixel inside \[pixels\].
+        const FILLED: f64 = 3.0;
+        let [columns, rows] = self.size.map(|n| n as f64);
+        let mut pixels = self.pixels.clone();
+        for (place, pixel) in pixels.iter_mut().enumerate() {
+            let [i, j] = [place % self.size[0], place / self.size[0]].map(|n| n as f64 + 0.5);
+            let (x, y) = (i - columns / 2.0, j - rows / 2.0);
+            let from_middle = x.hypot(y);
+            let outside = from_middle - columns / 2.0;
+            if pixel[3] > 0 || !(0.0..FILLED).contains(&outside) {
+                continue;
+            }
+            let inward = |step: usize| {
+                let share = 1.0 - step as f64 / from_middle;
+                let at = [(columns / 2.0 + x * share) as usize, (rows / 2.0 + y * share) as usize];
+                self.pixels.get(at[1] * self.size[0] + at[0]).copied().filter(|pixel| pixel[3] > 0)
+            };
+            *pixel = (1..=2 * FILLED as usize).find_map(inward).unwrap_or(*pixel);
+        }
+        Self { pixels, ..self.clone() }
+    }
+
     /// Encodes the raster as PNG in base64.
     ///
     /// # Errors
@@ -100,6 +125,23 @@ pub(super) fn is_log(scale: &ColorScale) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_rim_of_a_hemisphere_has_colours_on_both_sides() {
+        let side = 40;
+        let inside = |i: usize| {
+            let [x, y] = [i % side, i / side].map(|n| (n as f64 + 0.5) / side as f64 * 2.0 - 1.0);
+            x.hypot(y) < 1.0
+        };
+        let pixels = (0..side * side).map(|i| if inside(i) { [9, 8, 7, 255] } else { [0; 4] }).collect();
+        let raster = Raster::colors(side, pixels).beyond_rim();
+        let touches = |i: usize| {
+            let [x, y] = [i % side, i / side].map(|n| (n as f64 - 19.5).abs() - 0.5);
+            x.max(0.0).hypot(y.max(0.0)) < 20.0
+        };
+        assert!((0..side * side).filter(|i| touches(*i)).all(|i| raster.pixels[i] == [9, 8, 7, 255]));
+        assert_eq!(raster.pixels[0], [0; 4], "corners stay empty");
+    }
 
     #[test]
     fn values_have_the_colours_of_their_scale_and_holes_none() {

@@ -1,7 +1,8 @@
 //! The SVG elements of figures. Lengths are pixels, y grows downward.
 
-use super::palette::Color;
-use super::text::{Weight, escape};
+use super::palette::{Color, PAPER, Theme};
+use super::text::Weight;
+use crate::notes::{Notes, xml};
 use std::fmt::Write;
 
 /// Horizontal anchor of a text.
@@ -51,24 +52,39 @@ impl Stroke {
 }
 
 /// SVG under construction.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Svg {
     body: String,
     clips: usize,
+    theme: Theme,
 }
 
 impl Svg {
     // Writing to a string cannot fail, so its results are ignored below.
 
-    /// Returns the whole file, for a page of `size` \[px\].
-    pub fn finish(self, size: [f64; 2], background: Color) -> String {
+    /// Returns an empty SVG, whose colours are those of the palette as `theme` shows them.
+    pub fn new(theme: Theme) -> Self {
+        Self { body: String::new(), clips: 0, theme }
+    }
+
+    /// Returns `color` as the theme shows it, in the form of SVG.
+    fn hex(&self, color: Color) -> String {
+        self.theme.shown(color).hex()
+    }
+
+    /// Returns the whole file, for a page of this `size` \[px\], of which a pixel is `mm_per_px` \[mm\], with `notes` as its metadata.
+    pub fn finish(self, size: [f64; 2], mm_per_px: f64, notes: &Notes) -> String {
         let [width, height] = size;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
-             width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" font-family=\"{}\">\n\
-             <rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>\n{}</svg>\n",
+             width=\"{:.3}mm\" height=\"{:.3}mm\" viewBox=\"0 0 {width:.3} {height:.3}\" font-family=\"{}\">\n\
+             <metadata>{}</metadata>\n\
+             <rect width=\"{width:.3}\" height=\"{height:.3}\" fill=\"{}\"/>\n{}</svg>\n",
+            width * mm_per_px,
+            height * mm_per_px,
             super::text::FAMILY,
-            background.hex(),
+            xml(&notes.text()),
+            self.hex(PAPER),
             self.body
         )
     }
@@ -102,7 +118,7 @@ impl Svg {
             self.body,
             "<path d=\"{path}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-opacity=\"{}\" \
              stroke-linejoin=\"round\"{dash}/>",
-            stroke.color.hex(),
+            self.theme.shown(stroke.color).hex(),
             stroke.width,
             stroke.opacity
         );
@@ -118,7 +134,7 @@ impl Svg {
             self.body,
             "<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"{opacity}\"/>",
             points.join(" "),
-            fill.hex()
+            self.theme.shown(fill).hex()
         );
     }
 
@@ -132,7 +148,7 @@ impl Svg {
             at[1],
             size[0],
             size[1],
-            stroke.color.hex(),
+            self.theme.shown(stroke.color).hex(),
             stroke.width
         );
     }
@@ -145,8 +161,8 @@ impl Svg {
              stroke-opacity=\"{}\"/>",
             centre[0],
             centre[1],
-            fill.map_or_else(|| "none".to_owned(), Color::hex),
-            stroke.color.hex(),
+            fill.map_or_else(|| "none".to_owned(), |fill| self.theme.shown(fill).hex()),
+            self.theme.shown(stroke.color).hex(),
             stroke.width,
             stroke.opacity
         );
@@ -161,6 +177,7 @@ impl Svg {
         };
         let [x, y] = at.map(|x| format!("{x:.2}"));
         let turn = if letters.upward { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+        let theme = self.theme;
         let mut put = |paint: &str| {
             let _ = writeln!(
                 self.body,
@@ -168,16 +185,16 @@ impl Svg {
                  {paint}>{}</text>",
                 letters.size,
                 letters.weight.number(),
-                escape(text)
+                xml(text)
             );
         };
         if let Some(halo) = halo {
-            let hex = halo.hex();
+            let hex = theme.shown(halo).hex();
             put(&format!(
                 "fill=\"{hex}\" stroke=\"{hex}\" stroke-width=\"3\" stroke-linejoin=\"round\" stroke-opacity=\"0.75\""
             ));
         }
-        put(&format!("fill=\"{}\"", letters.color.hex()));
+        put(&format!("fill=\"{}\"", theme.shown(letters.color).hex()));
     }
 
     /// Draws a PNG (as base64) stretched over a rectangle; `smooth` or with each pixel a square.
@@ -193,14 +210,22 @@ impl Svg {
 
     /// Clips everything that `draw` draws to a rectangle.
     pub fn clipped(&mut self, at: [f64; 2], size: [f64; 2], draw: impl FnOnce(&mut Self)) {
+        let [[x, y], [width, height]] = [at, size];
+        let shape = format!("<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/>");
+        self.clipped_to(&shape, draw);
+    }
+
+    /// Clips everything that `draw` draws to a circle.
+    pub fn clipped_to_circle(&mut self, centre: [f64; 2], radius: f64, draw: impl FnOnce(&mut Self)) {
+        let [x, y] = centre;
+        self.clipped_to(&format!("<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius:.2}\"/>"), draw);
+    }
+
+    fn clipped_to(&mut self, shape: &str, draw: impl FnOnce(&mut Self)) {
         let id = self.clips;
         self.clips += 1;
-        let _ = writeln!(
-            self.body,
-            "<clipPath id=\"c{id}\"><rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\"/></clipPath>\n\
-             <g clip-path=\"url(#c{id})\">",
-            at[0], at[1], size[0], size[1]
-        );
+        let _ =
+            writeln!(self.body, "<clipPath id=\"c{id}\">{shape}</clipPath>\n<g clip-path=\"url(#c{id})\">");
         draw(self);
         self.body.push_str("</g>\n");
     }

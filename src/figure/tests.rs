@@ -19,18 +19,19 @@ fn a_figure_holds_its_words_and_hostile_ones_are_still_xml() {
         .named("<script>", Mark::line(vec![[0.0, 1.0], [f64::NAN, 2.0], [1.0, 0.0]], palette::BLUE))
         .mark(Mark::note([0.5, 3.0], "note\u{0}"));
     let figure = Figure::new("title").row(vec![panel]).caption("caption & more");
-    let svg = figure.svg().unwrap();
+    let svg = figure.svg(&FigureStyle::default(), &Notes::default()).unwrap();
     for word in ["title", "panel", "&lt;script&gt;", "a&lt;b &amp; &quot;c&quot;", "caption &amp; more"] {
         assert!(svg.contains(word), "{word}");
     }
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
-    assert!(!figure.png().unwrap().is_empty());
+    assert!(!figure.png(&FigureStyle::default(), &Notes::default()).unwrap().is_empty());
 }
 
 #[test]
 fn a_raster_fills_its_panel_with_the_first_row_at_the_top() {
     let panel = Panel::new(Axis::linear("", 0.0, 2.0), Axis::linear("", 0.0, 2.0)).over(colors());
-    let picture = decoded(&Figure::new("").row(vec![panel]).png().unwrap());
+    let picture =
+        decoded(&Figure::new("").row(vec![panel]).png(&FigureStyle::default(), &Notes::default()).unwrap());
     let [lowest, highest] = [ColorMap::Magma.at(0.0), ColorMap::Magma.at(1.0)];
     let place = |color: Color| {
         let at: Vec<_> = picture.enumerate_pixels().filter(|(.., p)| p.0 == color.0).collect();
@@ -51,7 +52,8 @@ fn marks_stand_where_their_axes_say() {
         .mark(dot([0.25, 10.0], palette::BLUE))
         .mark(dot([0.75, 31.622_776], palette::GREEN))
         .mark(dot([2.0, 10.0], palette::VERMILION));
-    let picture = decoded(&Figure::new("").row(vec![panel]).png().unwrap());
+    let picture =
+        decoded(&Figure::new("").row(vec![panel]).png(&FigureStyle::default(), &Notes::default()).unwrap());
     let centre = |color: Color| {
         let at: Vec<_> = picture.enumerate_pixels().filter(|(.., p)| p.0 == color.0).collect();
         let n = at.len() as f64;
@@ -72,7 +74,7 @@ fn marks_stand_where_their_axes_say() {
 #[test]
 fn the_hemisphere_has_its_angles_and_a_scale() {
     let panel = Panel::hemisphere(colors()).with_scale_bar(0.25, "Δ sin θ = 0.25").titled("map");
-    let svg = Figure::new("").row(vec![panel]).svg().unwrap();
+    let svg = Figure::new("").row(vec![panel]).svg(&FigureStyle::default(), &Notes::default()).unwrap();
     for word in ["30°", "330°", "60°", "sin θ = 0.25", "height [nm]"] {
         assert!(svg.contains(word), "{word}");
     }
@@ -83,11 +85,17 @@ fn files_have_the_format_of_their_names() {
     let folder = tempfile::tempdir().unwrap();
     let figure = Figure::new("t").row(vec![Panel::hemisphere(colors())]);
     let [svg, png] = ["f.svg", "f.PNG"].map(|name| folder.path().join(name));
-    figure.save(&svg).unwrap();
-    figure.save(&png).unwrap();
+    figure.save(&svg, &FigureStyle::default(), &Notes::default()).unwrap();
+    figure.save(&png, &FigureStyle::default(), &Notes::default()).unwrap();
     assert!(std::fs::read_to_string(svg).unwrap().starts_with("<svg"));
     assert_eq!(std::fs::read(png).unwrap()[..4], *b"\x89PNG");
-    assert_eq!(figure.save(&folder.path().join("f.pdf")).unwrap_err().exit_code(), 2);
+    assert_eq!(
+        figure
+            .save(&folder.path().join("f.pdf"), &FigureStyle::default(), &Notes::default())
+            .unwrap_err()
+            .exit_code(),
+        2
+    );
 }
 
 /// Writes figures with all there is into the folder `DIFFRACT_GALLERY`, to be looked at.
@@ -129,7 +137,10 @@ fn everything_can_stand_in_one_figure() {
         .row(vec![series, map])
         .row(vec![field])
         .caption("Figure 1. A caption says what is seen, at which settings, and is wrapped where the page ends: σ = 16.25 µm, θ = 30°, λ = 550 nm, basis optimal, tolerance 10⁻².\nAnd has a second paragraph.");
-    let (svg, png) = (figure.svg().unwrap(), figure.png().unwrap());
+    let (svg, png) = (
+        figure.svg(&FigureStyle::default(), &Notes::default()).unwrap(),
+        figure.png(&FigureStyle::default(), &Notes::default()).unwrap(),
+    );
     assert!(svg.matches("<path").count() > 20 && decoded(&png).width() > 2000);
     if let Some(folder) = std::env::var_os("DIFFRACT_GALLERY") {
         std::fs::write(Path::new(&folder).join("gallery.png"), png).unwrap();

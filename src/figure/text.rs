@@ -1,5 +1,6 @@
 //! Text in the figure's embedded font: its width, its line breaks and its SVG.
 
+use crate::notes::xml;
 use resvg::usvg::{self, fontdb};
 use std::sync::{Arc, OnceLock};
 
@@ -46,7 +47,7 @@ pub fn width(text: &str, size: f64, weight: Weight) -> f64 {
         "<svg xmlns='http://www.w3.org/2000/svg' width='1' height='1'>\
          <text font-family='Inter' font-size='{size}' font-weight='{}'>{}</text></svg>",
         weight.number(),
-        escape(text)
+        xml(text)
     );
     usvg::Tree::from_str(&svg, &options()).map_or(0.0, |tree| f64::from(tree.root().bounding_box().width()))
 }
@@ -67,23 +68,6 @@ pub fn wrap(text: &str, size: f64, most: f64) -> Vec<String> {
         lines.push(line);
     }
     lines
-}
-
-/// Escapes `text` for XML, without the characters that XML does not allow.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&apos;"),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push(' '),
-            c => out.push(c),
-        }
-    }
-    out
 }
 
 #[cfg(test)]
@@ -113,10 +97,5 @@ mod tests {
         );
         assert_eq!(lines.join(" "), text.replace('\n', " "));
         assert_eq!(wrap("a\n\nb", 12.0, 100.0), ["a", "", "b"]);
-    }
-
-    #[test]
-    fn what_xml_would_read_as_its_own_is_escaped() {
-        assert_eq!(escape("a<b> & \"c\"\u{1}"), "a&lt;b&gt; &amp; &quot;c&quot; ");
     }
 }

@@ -1,6 +1,7 @@
 //! The height field: a sampled patch of surface, in micrometres.
 
 use crate::error::{Error, Remedy, Result};
+use crate::notes::PreparationRecord;
 
 /// The longest side, in samples, that is accepted. Keeps every index product far from overflow and a field within
 /// a few gigabytes of memory.
@@ -17,6 +18,7 @@ pub struct HeightField {
     rows: usize,
     pixel_size: [f64; 2],
     heights: Vec<f64>,
+    prepared: PreparationRecord,
 }
 
 impl HeightField {
@@ -51,7 +53,7 @@ impl HeightField {
                 [Remedy::Words("check the unit of the heights".into())],
             ));
         }
-        Ok(Self { columns, rows, pixel_size, heights })
+        Ok(Self { columns, rows, pixel_size, heights, prepared: PreparationRecord::default() })
     }
 
     /// Returns the field of `columns` × `rows` samples of the surface z = `height`(x, y), `pixel_size` \[µm\] apart. x and y are \[µm\]
@@ -103,6 +105,17 @@ impl HeightField {
         self.heights
     }
 
+    /// Returns the steps that made these heights of the measured ones.
+    pub fn prepared(&self) -> &PreparationRecord {
+        &self.prepared
+    }
+
+    /// Returns the same heights with the record of their preparation.
+    #[must_use]
+    pub fn with_record(self, prepared: PreparationRecord) -> Self {
+        Self { prepared, ..self }
+    }
+
     /// Returns the heights of one row \[µm\]; row 0 has the largest `y`.
     pub fn row(&self, row: usize) -> &[f64] {
         &self.heights[row * self.columns..(row + 1) * self.columns]
@@ -130,7 +143,7 @@ impl HeightField {
         let row = |r: usize| self.row((r + self.rows - rows % self.rows) % self.rows);
         let cell = |r: usize, c: usize| row(r)[(c + columns) % self.columns];
         let heights = (0..self.rows).flat_map(|r| (0..self.columns).map(move |c| cell(r, c))).collect();
-        Self { heights, ..*self }
+        Self { heights, prepared: self.prepared.clone(), ..*self }
     }
 
     /// Returns the period of the same surface that begins `shift` \[µm\] from the edges: the samples before it are taken from the next

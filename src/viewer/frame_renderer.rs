@@ -10,6 +10,7 @@ use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
 use super::prepared::Prepared;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
+use crate::notes::Notes;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::render::exposure;
 use crate::render::frame::{Shown, View};
@@ -422,7 +423,9 @@ impl FrameRenderer {
                 };
                 let scalar_theory =
                     full.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
-                Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.read_back()?), scalar_theory))))
+                let notes =
+                    Notes::new(String::new(), full.field.prepared()).with_scalar_theory(scalar_theory);
+                Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.read_back()?), notes))))
             }
             Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {
                 samples: error_probe::samples(&mut slot.renderer, &request.view)?,

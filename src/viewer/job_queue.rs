@@ -6,6 +6,7 @@ use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
 use super::quality::{Detail, Quality};
 use crate::error::{Error, Result};
+use crate::notes::Notes;
 use crate::render::renderer::Picture;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -39,7 +40,7 @@ pub enum RenderReply {
     /// The device is out of memory for the spectra of moving pictures.
     NoRoom(Detail),
     /// Picture of [`Job::Picture`] with a description of the errors of scalar theory for its surface, or an error.
-    Picture(Result<(Box<Picture>, String)>),
+    Picture(Result<(Box<Picture>, Notes)>),
     /// Pixels of [`Job::Samples`].
     Samples(Box<ProbeTask>),
     /// Data of a pixel; `None` if no object covers it.

@@ -40,6 +40,11 @@ fn two_sweeps_give_the_same_errors_and_every_file() {
     }
     let last: Vec<&str> = advice.lines().rev().take(7).collect();
     assert!(last[0].starts_with("60 fps: ") && last[6].starts_with("error 1e-1: --"), "{advice}");
+    let report = String::from_utf8(sandbox.read("a/trade.md")).unwrap();
+    assert!(
+        report.contains("\nCommand: diffract trade plate ") && report.contains("\nPrepared: none\n"),
+        "{report}"
+    );
     for (file, start) in [
         ("trade.md", &b"# Speed"[..]),
         ("trade.svg", b"<svg"),

@@ -2,7 +2,8 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
-use diffract::figure::{Axis, Figure, Mark, Panel, palette};
+use diffract::figure::{Axis, Figure, FigureStyle, Mark, Panel, palette};
+use diffract::notes::Notes;
 use diffract::render::frame::View;
 use diffract::scene::{Light, Scene};
 use diffract::surface::synth::SurfaceKind;
@@ -101,7 +102,13 @@ fn over_a_hundred_thousand_frames_memory_is_flat() {
         ])
         .panel_size(460.0, 320.0)
         .caption(caption);
-    figure.save(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images/long-run.svg")).unwrap();
+    figure
+        .save(
+            &Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images/long-run.svg"),
+            &FigureStyle::default(),
+            &Notes::default(),
+        )
+        .unwrap();
     assert!(samples.iter().all(|s| s.on_device == samples[0].on_device));
     assert!(growth < 4.0, "{growth} MiB more after {FRAMES} frames");
 }

@@ -17,8 +17,22 @@ const FINEST: u32 = 1000;
 const DECADES: f64 = 6.0;
 /// Floor of relative differences, relative to the peak.
 const FLOOR: f64 = 1e-6;
+/// Names of the panels: a map at one wavelength; a map in colour and its luminance; two maps and their difference.
+const BRDF: &str = "brdf";
+const COLOUR: &str = "colour";
+const LUMINANCE: &str = "luminance";
+const COMPARED: [&str; 3] = ["a", "b", "difference"];
 /// Width and height of a map \[px\].
 const PANEL: [f64; 2] = [540.0, 470.0];
+
+/// Returns the names of the panels of the figure.
+pub fn panel_names(arguments: &Arguments) -> &'static [&'static str] {
+    match (&arguments.compare, arguments.wavelength) {
+        (Some(_), _) => &COMPARED,
+        (None, Some(_)) => &[BRDF],
+        (None, None) => &[COLOUR, LUMINANCE],
+    }
+}
 
 /// Describes the surface, the lights and the quantity in words.
 fn settings(arguments: &Arguments, field: &HeightField) -> String {
@@ -72,7 +86,7 @@ fn colored(arguments: &Arguments, map: &HemisphereMap) -> Panel {
         stops => format!(" at {stops:+} EV"),
     };
     let panel = Panel::hemisphere(Raster::colors(map.side as usize, pixels));
-    decorated(arguments, panel.titled(format!("Colour{exposure}")))
+    decorated(arguments, panel.called(COLOUR).titled(format!("Colour{exposure}")))
 }
 
 /// Returns the label of the values of `map`.
@@ -87,14 +101,14 @@ pub fn of_map(arguments: &Arguments, field: &HeightField, map: &HemisphereMap) -
     let values = map.values();
     let scale = ColorScale::decades(quantity(arguments), DECADES, &values);
     let mut panels = Vec::new();
-    let title = match arguments.wavelength {
-        Some(wavelength) => format!("{} nm", (wavelength * 1e4).round() / 10.0),
+    let (name, title) = match arguments.wavelength {
+        Some(wavelength) => (BRDF, format!("{} nm", (wavelength * 1e4).round() / 10.0)),
         None => {
             panels.push(colored(arguments, &map));
-            "Luminance".to_owned()
+            (LUMINANCE, "Luminance".to_owned())
         }
     };
-    panels.push(panel(arguments, &map, &title, &values, scale));
+    panels.push(panel(arguments, &map, &title, &values, scale).called(name));
     let caption = format!(
         "{} {} Albedo of the map, ∫\u{a0}f\u{a0}cos\u{a0}θ\u{a0}dω: {albedo:.4}.",
         settings(arguments, field),
@@ -124,6 +138,7 @@ pub fn of_two(
         (0..2).map(|i| panel(arguments, &maps[i], &variants[i].name, &values[i], scale.clone())).collect();
     let difference = ColorScale::differences("(A − B)/B", spread(&relative));
     panels.push(panel(arguments, &maps[0], "Relative difference", &relative, difference));
+    let panels = panels.into_iter().zip(COMPARED).map(|(panel, name)| panel.called(name)).collect();
     let caption = format!(
         "{} A: {}. B: {}. Difference of the maps, ‖A\u{a0}−\u{a0}B‖/‖B‖: {}. Relative differences hold B for at \
          least {} of the peak; colours end where 98 % of the directions do. Albedo of A {:.4}, of B {:.4}.",

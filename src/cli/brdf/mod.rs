@@ -5,10 +5,12 @@ pub(super) mod map;
 mod numbers;
 mod variant;
 
-use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, exposure};
+use super::options::{
+    CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions, exposure,
+};
 use super::{captions, evaluation, say};
 use crate::error::{Error, Result};
-use crate::figure::FigureFormat;
+use crate::figure::{FigureFormat, FigureStyle};
 use crate::files::Files;
 use crate::optics::color;
 use crate::optics::spectrum::Illuminant;
@@ -80,6 +82,8 @@ pub struct Arguments {
     #[arg(long, value_name = "EV", value_parser = exposure, allow_hyphen_values = true, default_value = "0")]
     exposure: f64,
     #[command(flatten)]
+    figure: FigureOptions,
+    #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
     optics: OpticsOptions,
@@ -107,6 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     let format = arguments.output.as_deref().map(MapFormat::of).transpose()?;
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
+    let style = arguments.figure.style(arguments.plot.is_some(), figure::panel_names(arguments))?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
@@ -123,11 +128,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {
-        return compare(arguments, &field, variants, plot);
+        return compare(arguments, &field, variants, plot, &style);
     }
     let map = HemisphereMap::of(arguments, &arguments.optics, &field)?;
     if let Some(plot) = &arguments.plot {
-        figure::of_map(arguments, &field, &map).save(plot)?;
+        figure::of_map(arguments, &field, &map).save(plot, &style, &captions::notes(&field))?;
     }
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let is_spectral = arguments.wavelength.is_some();
@@ -140,17 +145,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, surrounded: false };
     let illuminant = Illuminant::from_name_or_file(&arguments.colour.illuminant)?;
     let colour = arguments.wavelength.map_or(LightColour::Spectrum(&illuminant), LightColour::Wavelength);
-    let notes = captions::notes(&field, &arguments.optics.reflectance(None), colour);
+    let notes = captions::picture_notes(&field, &arguments.optics.reflectance(None), colour);
     picture_file::write(path, format, &picture, &notes)
 }
 
 /// Compares two maps, in a figure and in a line of text.
-fn compare(arguments: &Arguments, field: &HeightField, variants: &[Variant; 2], plot: &Path) -> Result<()> {
+fn compare(
+    arguments: &Arguments,
+    field: &HeightField,
+    variants: &[Variant; 2],
+    plot: &Path,
+    style: &FigureStyle,
+) -> Result<()> {
     let [a, b] = variants.each_ref().map(|variant| variant.of(&arguments.optics));
     let optics = [a?, b?];
     let maps =
         [HemisphereMap::of(arguments, &optics[0], field)?, HemisphereMap::of(arguments, &optics[1], field)?];
-    figure::of_two(arguments, field, variants, &optics, &maps).save(plot)?;
+    figure::of_two(arguments, field, variants, &optics, &maps).save(plot, style, &captions::notes(field))?;
     let deviation = figure::deviation(&maps[0].values(), &maps[1].values());
     say(&format_args!("{} differs from {} by {deviation:.2e}", variants[0].name, variants[1].name));
     Ok(())

@@ -7,6 +7,8 @@ use crate::figure::{Axis, AxisScale, Color, Figure, Mark, MarkShape, Panel, pale
 use crate::surface::HeightField;
 use std::f64::consts::PI;
 
+/// Names of the panels.
+const PANELS: [&str; 3] = ["chroma", "lightness", "spectra"];
 /// Half the width of a chip of colour \[px\].
 const CHIP: f64 = 8.0;
 /// Least half width of the plane of a* and b*: smaller chroma is hardly seen.
@@ -15,6 +17,11 @@ const LEAST_CHROMA: f64 = 10.0;
 const HEADROOM: f64 = 1.05;
 /// Space around the outermost chips, as a factor.
 const MARGIN: f64 = 1.25;
+
+/// Returns the names of the panels of a figure with or without spectra.
+pub fn panels(has_spectra: bool) -> &'static [&'static str] {
+    if has_spectra { &PANELS } else { &PANELS[..2] }
+}
 
 /// Readings of a surface and how they were made.
 pub struct ColourFigure<'a> {
@@ -43,6 +50,7 @@ impl ColourFigure<'_> {
         let end = MARGIN * largest.fold(LEAST_CHROMA, f64::max);
         let axis = |label: &str| Axis::linear(label, -end, end);
         let panel = Panel::new(axis("a*, from green to red"), axis("b*, from blue to yellow"))
+            .called(PANELS[0])
             .titled("Hue and chroma");
         self.with_chips(panel.to_scale(), |reading, _| [reading.lab[1], reading.lab[2]])
     }
@@ -58,7 +66,9 @@ impl ColourFigure<'_> {
         let most = self.readings.iter().map(|reading| reading.lab[0]).fold(100.0, f64::max);
         let panel =
             Panel::new(Axis::fit(label, AxisScale::Linear, places), Axis::linear("L*", 0.0, HEADROOM * most));
-        self.with_chips(panel.titled("Lightness"), |reading, place| [x(reading, place), reading.lab[0]])
+        self.with_chips(panel.called(PANELS[1]).titled("Lightness"), |reading, place| {
+            [x(reading, place), reading.lab[0]]
+        })
     }
 
     /// Returns `panel` with a chip for each reading, where `at` puts it.
@@ -82,7 +92,7 @@ impl ColourFigure<'_> {
         let all = self.spectra.iter().flatten().map(|f| PI * f);
         let x = Axis::fit("wavelength [nm]", AxisScale::Linear, nanometres.iter().copied());
         let y = Axis::fit("radiance factor", AxisScale::Linear, all.chain([0.0]));
-        let panel = Panel::new(x, y).titled("Spectra");
+        let panel = Panel::new(x, y).called(PANELS[2]).titled("Spectra");
         let colors = palette::SERIES.into_iter().cycle();
         self.readings.iter().zip(colors).enumerate().fold(panel, |panel, (place, (reading, color))| {
             let points = nanometres.iter().zip(self.spectra).map(|(nm, f)| [*nm, PI * f[place]]);

@@ -63,7 +63,7 @@ fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f
     let statistics = Statistics::of(field)?;
     let theory =
         ScalarTheory::of_field(field, &optics.reflectance, LightColour::Spectrum(&optics.illuminant))?;
-    let lines = describe::lines(source, field, &statistics, &theory)?;
+    let lines = describe::lines(field, &statistics, &theory)?;
     let named = |wanted: &str| {
         let found = lines.iter().find(|(name, _)| *name == wanted);
         found.map_or_else(String::new, |(_, value)| value.clone())

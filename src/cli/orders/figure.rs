@@ -8,6 +8,8 @@ use crate::optics::reflectance::Reflectance;
 use crate::surface::HeightField;
 use std::collections::BTreeMap;
 
+/// Names of the panels, by the polarisation of the light.
+pub const PANELS: [&str; 3] = ["unpolarised", "te", "tm"];
 /// Largest efficiency of an order that is drawn, over that of the brightest.
 const FAINTEST: f64 = 0.02;
 /// Space above the highest line, as a factor.
@@ -31,15 +33,15 @@ type Efficiency = fn(&PolarisedOrder) -> Option<f64>;
 
 /// Returns the panels of one run.
 fn row(sweep: &Sweep, run: &[SweepPoint]) -> Vec<Panel> {
-    let panels: [(&str, Efficiency); 3] = [
-        ("Unpolarised", |order| Some(order.mean.efficiency)),
-        ("TE", |order| order.polarised.map(|[te, _]| te)),
-        ("TM", |order| order.polarised.map(|[_, tm]| tm)),
+    let panels: [(&str, &str, Efficiency); 3] = [
+        (PANELS[0], "Unpolarised", |order| Some(order.mean.efficiency)),
+        (PANELS[1], "TE", |order| order.polarised.map(|[te, _]| te)),
+        (PANELS[2], "TM", |order| order.polarised.map(|[_, tm]| tm)),
     ];
     let drawn = brightest(run);
     let is_drawn = |order: &&PolarisedOrder| drawn.contains(&order.mean.numbers);
     let orders = || run.iter().flat_map(|point| &point.orders).filter(is_drawn);
-    let largest = orders().flat_map(|order| panels.map(|(_, of)| of(order))).flatten().fold(0.0, f64::max);
+    let largest = orders().flat_map(|order| panels.map(|(.., of)| of(order))).flatten().fold(0.0, f64::max);
     let wavelength = run.first().map(|point| point.conditions.wavelength);
     let fixed = match (sweep.quantity, wavelength) {
         (SweptQuantity::Angle | SweptQuantity::Height, Some(wavelength)) => {
@@ -47,17 +49,17 @@ fn row(sweep: &Sweep, run: &[SweepPoint]) -> Vec<Panel> {
         }
         _ => String::new(),
     };
-    let known = panels.into_iter().filter(|(_, of)| orders().any(|order| of(order).is_some()));
+    let known = panels.into_iter().filter(|(.., of)| orders().any(|order| of(order).is_some()));
     known
-        .map(|(title, of)| {
+        .map(|(name, title, of)| {
             let x = run.iter().map(|point| point.conditions.value(sweep.quantity));
             let (low, high) = x.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
             let x = Axis::linear(sweep.quantity.label(), low, high.max(low + f64::MIN_POSITIVE));
             let y = Axis::linear("efficiency", 0.0, (HEADROOM * largest).max(f64::MIN_POSITIVE));
-            let panel = Panel::new(x, y).titled(format!("{title}{fixed}"));
+            let panel = Panel::new(x, y).called(name).titled(format!("{title}{fixed}"));
             drawn.iter().zip(palette::SERIES).fold(panel, |panel, (numbers, color)| {
                 let line = Mark::line(line(sweep, run, *numbers, of), color);
-                panel.named(name(*numbers), line)
+                panel.named(name_of(*numbers), line)
             })
         })
         .collect()
@@ -90,7 +92,7 @@ fn line(sweep: &Sweep, run: &[SweepPoint], numbers: [i64; 2], of: Efficiency) ->
 }
 
 /// Returns the name of an order: m alone where n is 0.
-fn name([m, n]: [i64; 2]) -> String {
+fn name_of([m, n]: [i64; 2]) -> String {
     let signed = |number: i64| number.to_string().replace('-', "−");
     match n {
         0 => format!("order {}", signed(m)),

@@ -10,6 +10,8 @@ use crate::optics::geometry::sin_cos_degrees;
 use crate::optics::grating;
 use crate::surface::HeightField;
 
+/// Names of the panels: the responses, and the period of each wavelength.
+pub const PANELS: [&str; 2] = ["response", "periods"];
 /// Largest size of a figure's map \[pixels\].
 const FINEST: [usize; 2] = [1200, 800];
 /// Decades of the colour scale.
@@ -35,8 +37,10 @@ fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
         TangentAxis::Y => "+y",
     };
     let x = Axis::linear(format!("view angle toward {plane} [°]"), left, right);
-    let mut panel =
-        Panel::new(x, Axis::linear("wavelength [nm]", low, high)).titled("Response").over(raster(sweep));
+    let mut panel = Panel::new(x, Axis::linear("wavelength [nm]", low, high))
+        .called(PANELS[0])
+        .titled("Response")
+        .over(raster(sweep));
     for (i, of) in found.iter().enumerate() {
         let line = Mark::Line { points: ridge(of), color: palette::SKY, width: 2.6, dashed: false };
         panel = if i == 0 { panel.named("largest response", line) } else { panel.mark(line) };
@@ -157,7 +161,7 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
     let given = arguments.period.map(|d| d * 1e3);
     let x = Axis::fit("wavelength [nm]", AxisScale::Linear, all().map(|p| p[0]));
     let y = Axis::fit("period [nm]", AxisScale::Linear, all().map(|p| p[1]).chain(given));
-    let mut panel = Panel::new(x.clone(), y).titled("Period that each wavelength says");
+    let mut panel = Panel::new(x.clone(), y).called(PANELS[1]).titled("Period that each wavelength says");
     let is_alone = series.len() == 1;
     for (one, color) in series.into_iter().zip(palette::SERIES.into_iter().cycle()) {
         if let (Some(mean), Some(deviation)) = (one.statistics.mean, one.statistics.deviation) {
@@ -182,12 +186,12 @@ fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> Strin
     let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
     let told = |of: &Found| format!("Order {}: {}.", of.sought.order, of.lines().join("; "));
     let lines: Vec<String> = found.iter().map(told).collect();
-    let right = match found {
+    let periods = match found {
         [only] if only.branches.is_empty() => "the dashed line is the mean, the band the standard deviation",
         _ => "dashed lines are the means",
     };
     format!(
-        "{}; light from θ = {}° in the plane of N and {}. {} Right: {right}.\n{}",
+        "{}; light from θ = {}° in the plane of N and {}. {} Periods: {periods}.\n{}",
         captions::surface(&name, field),
         arguments.theta_i.to_string().replace('-', "−"),
         arguments.axis.name(),

@@ -5,9 +5,9 @@ mod figure;
 mod report;
 mod sweep;
 
-use super::options::{self, CacheOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
+use super::options::{self, CacheOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
-use super::{evaluation, say, write};
+use super::{captions, evaluation, say, write};
 use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
 use crate::files::Files;
@@ -87,6 +87,8 @@ pub struct Arguments {
     /// Draw a labelled figure of responses, peaks and the grating equation: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureOptions,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -178,6 +180,7 @@ fn period(text: &str) -> Result<f64> {
 pub fn run(arguments: &Arguments) -> Result<()> {
     arguments.cache.apply();
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
+    let style = arguments.figure.style(arguments.plot.is_some(), &figure::PANELS)?;
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
@@ -215,12 +218,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(copies) = &copies {
         say(copies);
     }
+    let notes = captions::notes(&field);
     if let Some(path) = &arguments.plot {
-        figure::figure(arguments, &field, &sweep, &found).save(path)?;
+        figure::figure(arguments, &field, &sweep, &found).save(path, &style, &notes)?;
     }
     let shift = copies.as_ref().map(CopiedPeriods::relative_shift);
     let reports = reports(arguments, &found, &windows, shift);
-    arguments.json.as_deref().map_or(Ok(()), |path| match &reports[..] {
+    let documents: Vec<_> = reports.iter().map(|report| write::with_origin(report, &notes)).collect();
+    arguments.json.as_deref().map_or(Ok(()), |path| match &documents[..] {
         [only] => write::json(path, only),
         all => write::json(path, &all),
     })

@@ -6,7 +6,7 @@ use super::autotune::{TunedSetting, tune};
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
 use super::options::sample_pixels;
 use super::progress::Progress;
-use super::{prepare, write};
+use super::{captions, prepare, write};
 use crate::error::Result;
 use crate::files::Files;
 use crate::measure::profile::{measure, rates};
@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     write::stdout(&text)?;
     if let Some(path) = &arguments.json {
-        write::json(path, &report)?;
+        write::json(path, &write::with_origin(&report, &captions::notes(&scene.field)))?;
     }
     Ok(())
 }

@@ -2,11 +2,14 @@
 
 use crate::cli::colour::readings::{AngleReading, Detector};
 use crate::cli::colour::{angles, aperture};
-use crate::cli::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
-use crate::cli::{say, write};
+use crate::cli::options::{
+    CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions,
+};
+use crate::cli::{captions, say, write};
 use crate::error::{Error, Result, cause};
 use crate::figure::{Axis, AxisScale, Figure, FigureFormat, Mark, Panel, palette};
 use crate::files::Files;
+use crate::notes::{Notes, PreparationRecord};
 use crate::optics::color_difference::ciede2000;
 use crate::surface::files::EXTENSIONS;
 use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
@@ -18,6 +21,8 @@ use std::path::{Path, PathBuf};
 
 /// Nanometres in a micrometre.
 const NM_PER_UM: f64 = 1e3;
+/// Name of the panel of the figure.
+const PANEL: &str = "spectra";
 /// Most surfaces of one call.
 const MOST_SURFACES: usize = 1000;
 
@@ -58,6 +63,8 @@ pub struct CompareArguments {
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
+    figure: FigureOptions,
+    #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
     optics: OpticsOptions,
@@ -84,6 +91,7 @@ struct ComparedSurface {
 pub fn run(arguments: &CompareArguments) -> Result<()> {
     arguments.cache.apply();
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
+    let style = arguments.figure.style(arguments.plot.is_some(), &[PANEL])?;
     if arguments.surface.surface.is_some() {
         return Err(Error::usage("the surfaces are arguments here", "leave --surface away, and name them"));
     }
@@ -121,7 +129,9 @@ pub fn run(arguments: &CompareArguments) -> Result<()> {
         ));
     }
     write::text(arguments.output.as_deref(), &table(&compared)?)?;
-    arguments.plot.as_deref().map_or(Ok(()), |path| figure(&compared).save(path))
+    // The preparation is in the command, and each surface may bring its own.
+    let notes = Notes::new(captions::own_command(), &PreparationRecord::default());
+    arguments.plot.as_deref().map_or(Ok(()), |path| figure(&compared).save(path, &style, &notes))
 }
 
 /// Returns the surfaces that are `named`, with the files of folders in alphabetical order, and true for those.
@@ -253,7 +263,7 @@ fn figure(compared: &[ComparedSurface]) -> Figure {
     let least = most * 0.1f64.powi(DECADES);
     let x = Axis::fit("|f| [1/µm]", AxisScale::Log, all().map(|[f, _]| *f));
     let y = Axis::fit("power density [nm² µm²]", AxisScale::Log, all().map(|[_, power]| power.max(least)));
-    let panel = Panel::new(x, y).titled("Spectrum averaged over directions");
+    let panel = Panel::new(x, y).called(PANEL).titled("Spectrum averaged over directions");
     let panel =
         compared.iter().zip(palette::SERIES.into_iter().cycle()).fold(panel, |panel, (surface, color)| {
             panel.named(surface.name.clone(), Mark::line(surface.spectrum.clone(), color))

@@ -1,7 +1,7 @@
 //! `diffract surface convert`: one format to another, after preparation if steps are given.
 
 use super::super::options::SurfaceOptions;
-use super::super::{say, write};
+use super::super::{captions, say, write};
 use super::report;
 use crate::error::Result;
 use crate::files::Files;
@@ -18,7 +18,7 @@ const NOTABLE_ROUNDING: f64 = 8e-6;
 #[derive(Args, Debug)]
 #[command(after_help = "Example:
   diffract surface convert scan.spm -o scan.gsf      heights are in metres in every format
-Samples that were not measured stay so (NaN). .gsf and .tif hold 32-bit floats, .gwy, .npy, .txt and .x3p every digit.")]
+Samples that were not measured stay so (NaN). All formats but .npy note the preparation, which `surface info` reads.  .gsf and .tif hold 32-bit floats, .gwy, .npy, .txt and .x3p every digit.")]
 pub struct Convert {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
@@ -45,7 +45,7 @@ pub fn run(arguments: &Convert) -> Result<()> {
 
 /// Writes `scan` and prints the options that read it back.
 pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
-    write_surface(path, format, scan)?;
+    write_surface(path, format, scan, captions::own_command())?;
     let lost = rounding(format, scan);
     if lost > NOTABLE_ROUNDING {
         say(&format_args!(

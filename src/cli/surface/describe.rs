@@ -10,33 +10,22 @@ use crate::spectra::amplitude::expansion::HeightScale;
 use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
 use crate::spectra::amplitude::layers::largest_z;
 use crate::spectra::power::{Estimate, OrderSeries, PowerSettings};
-use crate::surface::prepare;
 use crate::surface::statistics::{Period, notes};
 use crate::surface::tiling::Tiling;
-use crate::surface::{HeightField, Statistics, SurfaceSource};
+use crate::surface::{HeightField, Statistics};
 
 /// Name and text of a line.
 type Line = (&'static str, String);
 
-/// Describes `field`, which `source` gave, line by line, with the errors of scalar theory in `theory`.
-pub fn text(
-    source: &SurfaceSource,
-    field: &HeightField,
-    statistics: &Statistics,
-    theory: &ScalarTheory,
-) -> Result<String> {
-    let lines = lines(source, field, statistics, theory)?;
+/// Describes `field` line by line, with the errors of scalar theory in `theory`.
+pub fn text(field: &HeightField, statistics: &Statistics, theory: &ScalarTheory) -> Result<String> {
+    let lines = lines(field, statistics, theory)?;
     Ok(lines.iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect())
 }
 
 /// Returns the same as names and values.
-pub fn lines(
-    source: &SurfaceSource,
-    field: &HeightField,
-    statistics: &Statistics,
-    theory: &ScalarTheory,
-) -> Result<Vec<Line>> {
-    let mut lines = grid(source, field, statistics);
+pub fn lines(field: &HeightField, statistics: &Statistics, theory: &ScalarTheory) -> Result<Vec<Line>> {
+    let mut lines = grid(field, statistics);
     lines.extend(distributions(statistics));
     lines.extend(spectrum(statistics));
     lines.push(("scalar theory", theory.line().to_owned()));
@@ -53,7 +42,7 @@ fn pair([x, y]: [f64; 2], unit: &str, factor: f64) -> String {
     format!("{:.4} x {:.4} {unit}", x * factor, y * factor)
 }
 
-fn grid(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) -> Vec<Line> {
+fn grid(field: &HeightField, statistics: &Statistics) -> Vec<Line> {
     let tiling = &statistics.tiling;
     let [x, y] = tiling.ratio;
     let broken = ["x", "y"].into_iter().enumerate().filter_map(|(axis, name)| {
@@ -68,7 +57,7 @@ fn grid(source: &SurfaceSource, field: &HeightField, statistics: &Statistics) ->
         ("samples", format!("{} x {}", field.columns(), field.rows())),
         ("spacing", pair(field.pixel_size(), "nm", 1e3)),
         ("patch", pair(field.patch_size(), "um", 1.0)),
-        ("prepared by", prepare::describe(&source.prepare)),
+        ("prepared by", field.prepared().to_string()),
         ("tiles", seams),
         ("beyond the patch", beyond(tiling).to_owned()),
     ]

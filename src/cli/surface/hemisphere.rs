@@ -45,9 +45,9 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
     let table = table(&part)?;
     let across = statistics.periods.first().map_or(0.0, |period| period.direction.round());
     let across = if across == 0.0 { 0.0 } else { across }; // −0° reads oddly
-    let above = panel(&table, 0.0, 0.0, "straight above".to_owned());
+    let above = panel(&table, 0.0, 0.0, "straight above".to_owned()).called("colours-above");
     let from = format!("θ\u{a0}=\u{a0}{SLANTED}°, φ\u{a0}=\u{a0}{across}°");
-    let aside = panel(&table, SLANTED, across, from);
+    let aside = panel(&table, SLANTED, across, from).called("colours-aside");
     let of_part = match part {
         Cow::Borrowed(_) => "",
         Cow::Owned(_) => " of the middle of the field",

@@ -5,7 +5,6 @@ use crate::error::Result;
 use crate::figure::{Axis, AxisScale, ColorMap, ColorScale, Figure, Mark, Panel, Raster, palette};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::optics::validity::ScalarTheory;
-use crate::surface::prepare;
 use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::statistics::plot_grid::{self, PlotGrid, histogram};
 use crate::surface::statistics::slopes::gradients;
@@ -15,6 +14,17 @@ use crate::surface::{HeightField, Statistics, SurfaceSource};
 const MOST_PIXELS: usize = 600;
 /// Bins of the histograms.
 const BINS: usize = 120;
+/// Names of the panels, in the order in which they stand in the page.
+pub const PANELS: [&str; 8] = [
+    "heights",
+    "power",
+    "colours-above",
+    "colours-aside",
+    "profiles",
+    "spectrum",
+    "height-distribution",
+    "slope-distribution",
+];
 /// Panels \[px\].
 const PANEL: [f64; 2] = [600.0, 470.0];
 
@@ -43,15 +53,10 @@ pub fn figure(
     Ok(figure
         .row(vec![profile(field), radial(&spectrum, statistics)])
         .row(vec![height_histogram(field, statistics), slope_histogram(field, statistics)])
-        .caption(caption(source, field, statistics, theory) + "\n" + &colours))
+        .caption(caption(field, statistics, theory) + "\n" + &colours))
 }
 
-fn caption(
-    source: &SurfaceSource,
-    field: &HeightField,
-    statistics: &Statistics,
-    theory: &ScalarTheory,
-) -> String {
+fn caption(field: &HeightField, statistics: &Statistics, theory: &ScalarTheory) -> String {
     let [width, height] = field.patch_size();
     let h = &statistics.heights;
     format!(
@@ -59,7 +64,7 @@ fn caption(
          Scalar theory: {}.",
         field.columns(),
         field.rows(),
-        prepare::describe(&source.prepare),
+        field.prepared(),
         h.sq * 1e3,
         h.sa * 1e3,
         h.ssk,
@@ -84,6 +89,7 @@ fn heights(field: &HeightField, statistics: &Statistics) -> Panel {
     .to_scale()
     .over(Raster::values(grid.size[0], &grid.values, scale))
     .titled("Heights")
+    .called("heights")
     .with_scale_bar(bar, format!("{bar} µm"));
     if let Some(period) = statistics.periods.first() {
         let (sin, cos) = period.direction.to_radians().sin_cos();
@@ -123,6 +129,7 @@ fn power(spectrum: &SurfaceSpectrum) -> Panel {
         .to_scale()
         .over(Raster::values(grid.size[0], &grid.values, scale))
         .titled("Power spectrum")
+        .called("power")
         .named("seen at normal incidence: within 1/λ at 380 nm", visible(SHORTEST, palette::SKY))
         .named("at 780 nm", visible(LONGEST, palette::VERMILION))
 }
@@ -139,6 +146,7 @@ fn profile(field: &HeightField) -> Panel {
     let y = Axis::fit("height [nm]", AxisScale::Linear, all().map(|p| p[1]));
     Panel::new(x, y)
         .titled("Profiles through the middle")
+        .called("profiles")
         .named("along x", thin(along_x, palette::BLUE))
         .named("along y", thin(along_y, palette::VERMILION))
 }
@@ -161,6 +169,7 @@ fn radial(spectrum: &SurfaceSpectrum, statistics: &Statistics) -> Panel {
     let upright = |f: f64| vec![[f, low], [f, high]];
     let mut panel = Panel::new(x, y)
         .titled("Spectrum averaged over directions")
+        .called("spectrum")
         .named(
             "light sees up to 2/λ",
             Mark::Band {
@@ -211,6 +220,7 @@ fn height_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
         Axis::linear("probability density [1/nm]", 0.0, 1.08 * most),
     )
     .titled("Distribution of heights")
+    .called("height-distribution")
     .named("heights", Mark::Band { points: bars, color: palette::BLUE })
     .named("normal distribution of the same Sq", Mark::dashed(curve, palette::VERMILION))
 }
@@ -240,6 +250,7 @@ fn slope_histogram(field: &HeightField, statistics: &Statistics) -> Panel {
         Axis::linear("probability density [1/°]", 0.0, 1.08 * most),
     )
     .titled("Distribution of slopes")
+    .called("slope-distribution")
     .named(name, Mark::Band { points: bars, color: palette::GREEN })
     .named(format!("RMS gradient Sdq, {rms:.1}°"), Mark::line(upright(rms), palette::VERMILION))
     .named(
@@ -277,6 +288,8 @@ pub fn scale_bar(width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figure::FigureStyle;
+    use crate::notes::Notes;
     use crate::optics::validity::LightColour;
     use crate::surface::synth::SurfaceKind;
 
@@ -289,8 +302,10 @@ mod tests {
                 let green = LightColour::Wavelength(0.55);
                 ScalarTheory::of_field(&field, &Default::default(), green).unwrap()
             };
-            let svg =
-                figure(&source, &field, &Statistics::of(&field).unwrap(), &theory).unwrap().svg().unwrap();
+            let svg = figure(&source, &field, &Statistics::of(&field).unwrap(), &theory)
+                .unwrap()
+                .svg(&FigureStyle::default(), &Notes::default())
+                .unwrap();
             for word in [
                 "Heights",
                 "Power spectrum",

@@ -1,13 +1,14 @@
 //! Report about a file: its channels as text, everything as JSON.
 
+use crate::cli::write;
 use crate::error::{Error, Result};
+use crate::notes::Notes;
 use crate::optics::validity::ScalarTheory;
 use crate::setup;
 use crate::surface::files::plausible::in_words;
 use crate::surface::files::{FileSummary, ScanOrigin, Topography, choose};
-use crate::surface::prepare::PreparationStep;
 use crate::surface::statistics::notes;
-use crate::surface::{HeightField, Statistics, SurfaceSource};
+use crate::surface::{HeightField, Statistics};
 use serde::Serialize;
 
 /// Channel of the file.
@@ -54,7 +55,7 @@ impl SurfaceReport {
             quantisation_m: origin.and_then(|o| o.quantisation),
             channels: origin.map(channels).unwrap_or_default(),
             warnings: origin.map(|o| o.warnings.clone()).unwrap_or_default(),
-            prepare: Vec::new(),
+            prepare: scan.prepared().steps().to_vec(),
             beyond: None,
             notes: Vec::new(),
             statistics: None,
@@ -62,19 +63,17 @@ impl SurfaceReport {
         }
     }
 
-    /// Adds the steps of `source`, the `statistics` of `field`, the errors of scalar theory, and the default of `--beyond`.
+    /// Adds the `statistics` of `field`, the errors of scalar theory, and the default of `--beyond`.
     ///
     /// # Errors
     /// Heights so large that their sums are not finite numbers.
     pub fn with_statistics(
         self,
-        source: &SurfaceSource,
         field: &HeightField,
         statistics: Statistics,
         scalar_theory: ScalarTheory,
     ) -> Result<Self> {
         Ok(Self {
-            prepare: source.prepare.iter().map(PreparationStep::to_string).collect(),
             beyond: Some(setup::continued(&statistics.tiling).name()),
             notes: notes(field, &statistics)?,
             statistics: Some(statistics),
@@ -89,14 +88,12 @@ impl SurfaceReport {
         self
     }
 
-    /// Returns the report as indented JSON.
+    /// Returns the report and its `notes` as indented JSON.
     ///
     /// # Errors
     /// Never, for numbers that are finite.
-    pub fn json(&self) -> Result<String> {
-        let json = serde_json::to_string_pretty(self);
-        json.map(|json| json + "\n")
-            .map_err(|e| Error::failed(format!("the report is no JSON ({e})"), "report this"))
+    pub fn json(&self, notes: &Notes) -> Result<String> {
+        write::json_text(&write::with_origin(self, notes))
     }
 }
 

@@ -2,7 +2,8 @@
 //! are written from here; a test compares them.
 
 use crate::cli::options::as_options;
-use crate::figure::{Axis, ColorMap, ColorScale, Figure, Panel, Raster};
+use crate::figure::{Axis, ColorMap, ColorScale, Figure, FigureStyle, Panel, Raster};
+use crate::notes::Notes;
 use crate::random::Random;
 use crate::surface::prepare::{PreparationStep, apply_all, describe};
 use crate::surface::synth::{Spec, SurfaceKind, generate};
@@ -163,7 +164,7 @@ fn each_step_of_the_worked_example_brings_the_surface_nearer() {
     let (path, picture) = (root.join("docs/PREPARING.md"), root.join("docs/images/preparing.png"));
     if std::env::var_os("DIFFRACT_BLESS").is_some() {
         std::fs::write(&path, page(&written)).unwrap();
-        figure(&stages).save(&picture).unwrap();
+        figure(&stages).save(&picture, &FigureStyle::default(), &Notes::default()).unwrap();
     }
     assert!(picture.is_file(), "docs/images/preparing.png is missing; DIFFRACT_BLESS=1 draws it");
     let there = std::fs::read_to_string(path).unwrap_or_default();

@@ -3,6 +3,9 @@
 use crate::figure::{Axis, AxisScale, Figure, Mark, MarkShape, Panel, palette};
 use crate::measure::trade::{Measurement, THESIS, pareto};
 
+/// Name of the panel.
+pub const PANELS: [&str; 1] = ["trade"];
+
 /// Draws frame time against error, with the Pareto front and the baselines.
 pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
     const SHAPES: [MarkShape; 5] =
@@ -12,7 +15,8 @@ pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
     let mut panel = Panel::new(
         fit("frame time [ms]", rows.iter().map(|r| r.frame_ms).collect()),
         fit("relative L2 error of linear RGB", rows.iter().map(|r| r.relative_l2).collect()),
-    );
+    )
+    .called(PANELS[0]);
     let mut front: Vec<[f64; 2]> =
         rows.iter().zip(pareto(rows)).filter(|(_, on)| *on).map(|(row, _)| place(row)).collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -44,6 +48,8 @@ pub fn figure(rows: &[Measurement], title: &str, caption: &str) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figure::FigureStyle;
+    use crate::notes::Notes;
 
     #[test]
     fn the_figure_marks_the_thesis() {
@@ -54,7 +60,8 @@ mod tests {
             ..Measurement::default()
         };
         let rows = [measured("spectral, taylor", 10.0, 5e-2), measured(THESIS, 900.0, 2e-3)];
-        let svg = figure(&rows, "Speed", "One machine.").svg().unwrap();
+        let svg =
+            figure(&rows, "Speed", "One machine.").svg(&FigureStyle::default(), &Notes::default()).unwrap();
         assert!(svg.contains("thesis") && svg.contains("Pareto"));
     }
 }

@@ -6,11 +6,12 @@ mod figure;
 pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
-use super::options::{CacheOptions, DeviceOptions, SurfaceOptions, coherence, ior, tolerance};
+use super::options::{CacheOptions, DeviceOptions, FigureOptions, SurfaceOptions, coherence, ior, tolerance};
 use super::progress::Progress;
 use super::remedies::in_options;
-use super::{prepare, say, write};
+use super::{captions, prepare, say, write};
 use crate::error::{Error, Result};
+use crate::figure::FigureStyle;
 use crate::files::Files;
 use crate::measure::profile::NOISY;
 use crate::measure::trade::{self, GRATING, Measurement, THESIS};
@@ -64,6 +65,8 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME|FILE", default_value = "d65", hide_short_help = true)]
     illuminant: OsString,
     #[command(flatten)]
+    figure: FigureOptions,
+    #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
     device: DeviceOptions,
@@ -91,11 +94,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.folder.as_os_str().is_empty() {
         return Err(Error::usage("--folder: the name is empty", "give the results a folder"));
     }
+    let style = arguments.figure.style(true, &figure::PANELS)?;
     let mut sweep = TradeSweep::open(arguments)?;
     sweep.measure_settings()?;
     sweep.measure_baselines()?;
     prepare::finish(&sweep.scene.device)?;
-    sweep.report()
+    sweep.report(&style)
 }
 
 /// Sweep in progress.
@@ -202,7 +206,7 @@ impl<'a> TradeSweep<'a> {
     }
 
     /// Writes table and plot, and prints the advice.
-    fn report(&self) -> Result<()> {
+    fn report(&self, style: &FigureStyle) -> Result<()> {
         if self.rows.is_empty() {
             let why = self.impossible.first().map_or("", |(_, why)| why);
             return Err(Error::failed(
@@ -211,10 +215,12 @@ impl<'a> TradeSweep<'a> {
             ));
         }
         let (rows, heading) = (&self.rows, self.heading());
-        write::text(Some(&self.file("trade.md")), &trade::markdown(rows, &heading, &self.impossible))?;
+        let notes = captions::notes(&self.scene.field);
+        let table = trade::markdown(rows, &heading, &self.impossible);
+        write::text(Some(&self.file("trade.md")), &format!("{table}\n```text\n{}\n```\n", notes.text()))?;
         let figure = figure(rows, "Speed against accuracy", &heading);
-        figure.save(&self.file("trade.svg"))?;
-        figure.save(&self.file("trade.png"))?;
+        figure.save(&self.file("trade.svg"), style, &notes)?;
+        figure.save(&self.file("trade.png"), style, &notes)?;
         let wanted = match (self.arguments.tolerance, self.arguments.fps) {
             (None, None) => String::new(),
             (error, fps) => trade::wanted(rows, error, fps),

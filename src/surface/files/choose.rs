@@ -86,6 +86,7 @@ mod tests {
             size: [1, 1],
             spacing: [Some(1.0); 2],
             quantity: if *unit == "m" { Quantity::Height } else { Quantity::Other },
+            prepared: Default::default(),
             decode: Box::new(|| Ok(vec![0.0])),
         };
         Scan::new("test", channels.iter().map(channel).collect())

@@ -9,6 +9,7 @@ use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::notes::PreparationRecord;
 use flate2::read::ZlibDecoder;
 use std::borrow::Cow;
 use std::io::Read;
@@ -148,6 +149,7 @@ fn surface<'a>(bytes: &'a [u8], header: &DigitalSurfHeader, i: usize) -> Result<
         size,
         spacing: [step(0), step(1)],
         quantity: if metres.is_some() { Quantity::Height } else { Quantity::Other },
+        prepared: PreparationRecord::default(),
         decode: block.decode(size)?,
     };
     Ok((channel, header.data + used))

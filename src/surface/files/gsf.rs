@@ -8,6 +8,7 @@ use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use super::topography::Topography;
 use super::units;
 use crate::error::Result;
+use crate::notes::{self, Notes, PreparationRecord};
 use std::io::{self, Write};
 
 /// First bytes of a file.
@@ -54,22 +55,25 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             size,
             spacing: [side("XReal", size[0]), side("YReal", size[1])],
             quantity: if height.is_some() { Quantity::Height } else { Quantity::Other },
+            prepared: value(notes::PREPARED)
+                .map_or_else(PreparationRecord::default, |text| PreparationRecord::parse(&text)),
             decode: block.decode(size)?,
         },
     ))
 }
 
-/// Writes `scan` with heights in metres; 32-bit floats hold seven digits of them.
+/// Writes `scan` with heights in metres, of which 32-bit floats hold seven digits, and with `notes`.
 ///
 /// # Errors
 /// The file cannot be written to.
-pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
+pub fn write(scan: &Topography, notes: &Notes, file: &mut impl Write) -> io::Result<()> {
     let [columns, rows] = scan.size();
     let [dx, dy] = scan.spacing();
     let (width, height) = (dx * columns as f64, dy * rows as f64);
     let mut header = MAGIC.to_vec();
     write!(header, "XRes = {columns}\nYRes = {rows}\nXReal = {width:e}\nYReal = {height:e}\n")?;
     header.extend(b"XYUnits = m\nZUnits = m\nTitle = Height\n");
+    notes.entries().iter().try_for_each(|(name, value)| writeln!(header, "{name} = {value}"))?;
     let data = (header.len() / ALIGNMENT + 1) * ALIGNMENT;
     header.resize(data, 0);
     file.write_all(&header)?;

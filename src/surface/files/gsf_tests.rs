@@ -48,7 +48,7 @@ fn what_is_written_is_read_back_to_the_rounding_of_single_precision() {
     let scan = Topography::new([3, 2], Spacing::Metres([7.843e-9, 1e-8]), rows(1.0 / 3.0 * 1e-7), 1e6, None)
         .unwrap();
     let mut bytes = Vec::new();
-    write(&scan, &mut bytes).unwrap();
+    write(&scan, &Notes::default(), &mut bytes).unwrap();
     let (_, _, _, spacing, samples) = only(read(&bytes));
     assert!(
         (spacing[0].unwrap() / 7.843e-9 - 1.0).abs() < 1e-15

@@ -8,6 +8,7 @@ use super::bytes::{Cursor, Number, Order, damaged, decode_text};
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use super::{Topography, units};
 use crate::error::{Error, Result};
+use crate::notes::{self, Notes, PreparationRecord};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -28,6 +29,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let container = object(&mut cursor)?;
     let mut fields = BTreeMap::new();
     let mut titles = BTreeMap::new();
+    let mut records = BTreeMap::new();
     components(container.body, |key, value| {
         let mut parts = key.split('/');
         let (root, number) = (parts.next(), parts.next().and_then(|n| n.parse::<u32>().ok()));
@@ -40,6 +42,9 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             (Some(""), Some(n), Some("data"), Some("title"), GwyValue::Text(title)) => {
                 titles.insert(n, decode_text(title));
             }
+            (Some(""), Some(n), Some("meta"), None, GwyValue::Object(meta)) => {
+                records.insert(n, record(&meta));
+            }
             _ => {}
         }
     })?;
@@ -48,13 +53,14 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let channels = fields.into_iter().map(|(n, body)| {
         let name = titles.remove(&n).unwrap_or_else(|| format!("/{n}/data"));
-        (name.clone(), field(body, name))
+        let prepared = records.remove(&n).unwrap_or_default();
+        (name.clone(), field(body, name, prepared))
     });
     Scan::of_readable("Gwyddion", channels.collect())
 }
 
-/// Reads the data field in `body`.
-fn field(body: &[u8], name: String) -> Result<Channel<'_>> {
+/// Reads the data field in `body`, whose heights were `prepared`.
+fn field(body: &[u8], name: String, prepared: PreparationRecord) -> Result<Channel<'_>> {
     let mut counts = [None; 2];
     let mut sides = [None; 2];
     let mut unit_names = [String::new(), String::new()];
@@ -85,20 +91,29 @@ fn field(body: &[u8], name: String) -> Result<Channel<'_>> {
         size,
         spacing: [side(0), side(1)],
         quantity: if height.is_some() { Quantity::Height } else { Quantity::Other },
+        prepared,
         decode: block.decode(size)?,
     })
 }
 
 /// Returns the text of a `GwySIUnit`.
 fn unit_name(unit: &GwyObject) -> String {
-    let mut name = String::new();
-    // A damaged unit is read as none.
-    let _ = components(unit.body, |key, value| {
-        if let ("unitstr", GwyValue::Text(text)) = (key, value) {
-            name = decode_text(text);
-        }
+    text_in(unit, "unitstr")
+}
+
+/// Returns the preparation that the metadata of a channel note.
+fn record(meta: &GwyObject) -> PreparationRecord {
+    PreparationRecord::parse(&text_in(meta, notes::PREPARED))
+}
+
+/// Returns the text of the component `name`; empty if there is none, or if the object is damaged.
+fn text_in(object: &GwyObject, name: &str) -> String {
+    let mut found = String::new();
+    let _ = components(object.body, |key, value| match value {
+        GwyValue::Text(text) if key == name => found = decode_text(text),
+        _ => {}
     });
-    name
+    found
 }
 
 /// An object: its type and the bytes of its components.
@@ -176,11 +191,11 @@ fn string<'a>(cursor: &mut Cursor<'a>) -> Result<&'a [u8]> {
     Ok(text)
 }
 
-/// Writes `scan` as the only data field, with heights in metres.
+/// Writes `scan` as the only data field, with heights in metres, and `notes` as its metadata.
 ///
 /// # Errors
 /// The file cannot be written to; more samples than the format counts.
-pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
+pub fn write(scan: &Topography, notes: &Notes, file: &mut impl Write) -> io::Result<()> {
     const KEY: &[u8] = b"/0/data\0o";
     let [columns, rows] = scan.size();
     let [dx, dy] = scan.spacing();
@@ -199,8 +214,11 @@ pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
     .concat();
     let numbers = columns * rows * size_of::<f64>();
     let field = object_of("GwyDataField", count(field.len() + numbers)?, &field);
-    let title = component("/0/data/title", b's', b"Height\0");
-    let container = [&title, KEY, &field].concat();
+    let title = text_component("/0/data/title", "Height");
+    let meta: Vec<u8> =
+        notes.entries().iter().flat_map(|(name, value)| text_component(name, value)).collect();
+    let meta = component("/0/meta", b'o', &object_of("GwyContainer", count(meta.len())?, &meta));
+    let container = [&title, &meta, KEY, &field].concat();
     file.write_all(MAGIC)?;
     file.write_all(&object_of("GwyContainer", count(container.len() + numbers)?, &container))?;
     scan.metres().try_for_each(|h| file.write_all(&h.to_le_bytes()))
@@ -212,6 +230,11 @@ const METRE: &[u8] = b"unitstr\0sm\0";
 /// Encodes a component, or its beginning.
 fn component(key: &str, kind: u8, value: &[u8]) -> Vec<u8> {
     [key.as_bytes(), &[0, kind], value].concat()
+}
+
+/// Encodes a component of text.
+fn text_component(key: &str, text: &str) -> Vec<u8> {
+    component(key, b's', &[text.as_bytes(), &[0]].concat())
 }
 
 /// Encodes an object whose components take `length` bytes and begin with `body`.

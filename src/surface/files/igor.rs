@@ -8,6 +8,7 @@ use super::bytes::{Cursor, Number, Order, damaged, text};
 use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
+use crate::notes::PreparationRecord;
 use std::borrow::Cow;
 
 /// Bytes of the file's and the wave's header, over which the check sum is taken.
@@ -215,6 +216,7 @@ fn channel<'a>(
         size,
         spacing: [step(0), step(1)],
         quantity: if height.is_some() { Quantity::Height } else { Quantity::Other },
+        prepared: PreparationRecord::default(),
         decode: block.decode(size)?,
     })
 }

@@ -6,6 +6,7 @@
 use super::super::{HeightField, MAX_SIDE};
 use super::scan::{Channel, Quantity, Scan};
 use crate::error::{self, Error, Result};
+use crate::notes::PreparationRecord;
 use crate::{memory, output};
 use image::error::{ImageError, LimitErrorKind};
 use image::{ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageFormat, Limits, codecs};
@@ -43,6 +44,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         size,
         spacing: [None, None],
         quantity: Quantity::Code { largest },
+        prepared: PreparationRecord::default(),
         decode: Box::new(move || Ok(codes)),
     };
     Ok(Scan::single(if format == ImageFormat::Png { "PNG" } else { "TIFF" }, channel))

@@ -175,7 +175,7 @@ fn assemble(
     let lacks_scale = channel.quantity != Quantity::Height && settings.height.is_none();
     let lacks_distance = channel.spacing.contains(&None) && settings.pixel_size.is_none();
     let beside = if lacks_scale || lacks_distance { sidecar()? } else { Sidecar::default() };
-    let (size, quantity) = (channel.size, channel.quantity);
+    let (size, quantity, prepared) = (channel.size, channel.quantity, channel.prepared.clone());
     let spacing = match (settings.pixel_size.or(beside.pixel_size), channel.spacing) {
         (Some(um), _) => Spacing::Micrometres(um),
         (None, [Some(x), Some(y)]) => Spacing::Metres([x, y]),
@@ -215,7 +215,7 @@ fn assemble(
         _ => None,
     };
     let origin = ScanOrigin { format: scan.format, channels, chosen, quantisation, warnings: Vec::new() };
-    let mut topography = Topography::new(size, spacing, samples, unit, Some(origin))?;
+    let mut topography = Topography::new(size, spacing, samples, unit, Some(origin))?.with_record(prepared);
     let scale = if settings.height.is_some() { HeightSource::Given } else { HeightSource::File };
     topography.warn(notes, scale);
     Ok(topography)

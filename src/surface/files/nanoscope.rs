@@ -11,6 +11,7 @@ use super::bytes::{Number, Order, damaged};
 use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
+use crate::notes::PreparationRecord;
 use header::{NanoscopeHeader, ParameterValue, Section};
 use std::ops::Range;
 
@@ -64,6 +65,7 @@ fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Re
         size,
         spacing: spacings(header, image, [columns, lines]),
         quantity: if scale.is_length { Quantity::Height } else { Quantity::Other },
+        prepared: PreparationRecord::default(),
         decode: block.decode(size)?,
     })
 }

@@ -6,6 +6,7 @@ use super::bytes::{Cursor, Number, Order, damaged, decode_text};
 use super::scan::{Block, Channel, Quantity, Scan, size};
 use super::topography::Topography;
 use crate::error::{Error, Result};
+use crate::notes::PreparationRecord;
 use crate::surface::transpose::transposed;
 use std::io::{self, Write};
 
@@ -46,6 +47,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             size,
             spacing: [None, None],
             quantity: if number.is_float() { Quantity::Height } else { code },
+            prepared: PreparationRecord::default(),
             decode,
         },
     ))

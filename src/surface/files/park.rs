@@ -7,6 +7,7 @@ use super::bytes::{Cursor, Number, Order, cut_short, damaged};
 use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
+use crate::notes::PreparationRecord;
 use std::borrow::Cow;
 
 /// Private tags.
@@ -49,6 +50,7 @@ pub fn read(bytes: &[u8]) -> Result<Option<Scan<'_>>> {
         size,
         spacing: [side(0), side(1)],
         quantity: if metres.is_some() { Quantity::Height } else { Quantity::Other },
+        prepared: PreparationRecord::default(),
         decode,
     };
     Ok(Some(Scan::single("Park TIFF", channel)))

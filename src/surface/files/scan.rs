@@ -4,6 +4,7 @@ use super::super::MAX_SIDE;
 use super::bytes::{Number, Order, cut_short};
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::notes::PreparationRecord;
 use std::borrow::Cow;
 
 /// Quantity of a channel's samples.
@@ -35,6 +36,8 @@ pub struct Channel<'a> {
     pub spacing: [Option<f64>; 2],
     /// Quantity of the samples.
     pub quantity: Quantity,
+    /// Steps that made these samples of the measured ones, as the file notes them.
+    pub prepared: PreparationRecord,
     /// The samples.
     pub decode: Decode<'a>,
 }

@@ -7,6 +7,7 @@ use super::bytes::{Cursor, Number, Order, cut_short, damaged, decode_text};
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::notes::PreparationRecord;
 
 /// First bytes of text files; the second are those of the standard's forerunner.
 pub const TEXT_MAGICS: [&[u8]; 2] = [b"aISO-1.0", b"aBCR-1.0"];
@@ -41,6 +42,7 @@ impl SdfHeader {
             size,
             spacing: [spacing(self.scales[0], 1), spacing(self.scales[1], 1)],
             quantity: Quantity::Height,
+            prepared: PreparationRecord::default(),
             decode,
         };
         Scan::single("ISO 25178-71", channel)

@@ -9,6 +9,7 @@ use super::table::{self, TextTable};
 use super::topography::Topography;
 use super::{units, xyz};
 use crate::error::{Error, Result};
+use crate::notes::{self, Notes};
 use std::io::{self, Write};
 
 /// Fields of the head of Gwyddion's export.
@@ -46,6 +47,8 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let rows = numbers.len() / columns;
     let size = size(columns as u64, rows as u64)?;
+    let comments: Vec<&str> = head.iter().filter_map(|line| line.strip_prefix('#')).collect();
+    let prepared = notes::preparation(&comments.join("\n"));
     let head = gwyddion(&head);
     let format = if head.is_some() { "Gwyddion text" } else { "text" };
     let spacing = head.as_ref().map_or([None, None], |h| [0, 1].map(|i| spacing(h.sides[i], size[i])));
@@ -56,7 +59,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         numbers.iter_mut().for_each(|x| *x *= metres);
     }
     let decode = Box::new(move || Ok(numbers));
-    Ok(Scan::single(format, Channel { name, unit, size, spacing, quantity, decode }))
+    Ok(Scan::single(format, Channel { name, unit, size, spacing, quantity, prepared, decode }))
 }
 
 /// Returns the grid of points that a table of three columns may be, one at every node. No matrix of heights is such a grid by chance.
@@ -86,17 +89,18 @@ fn gwyddion(head: &[String]) -> Option<GwyddionHead> {
     Some(GwyddionHead { name, sides: [width, height], unit: (*unit).to_owned() })
 }
 
-/// Writes `scan` as Gwyddion exports it, with every digit that heights in metres have.
+/// Writes `scan` as Gwyddion exports it, with every digit that heights in metres have, and `notes` as more comments.
 ///
 /// # Errors
 /// The file cannot be written to.
-pub fn write(scan: &Topography, file: &mut impl Write) -> io::Result<()> {
+pub fn write(scan: &Topography, notes: &Notes, file: &mut impl Write) -> io::Result<()> {
     let [columns, rows] = scan.size();
     let [width, height] = [(0, columns), (1, rows)].map(|(i, n)| scan.spacing()[i] * n as f64 * 1e6);
     writeln!(
         file,
         "# Channel: Height\n# Width: {width} \u{b5}m\n# Height: {height} \u{b5}m\n# Value units: m"
     )?;
+    notes.entries().iter().try_for_each(|(name, value)| writeln!(file, "# {name}: {value}"))?;
     for (i, h) in scan.metres().enumerate() {
         let end = if (i + 1) % columns == 0 { '\n' } else { '\t' };
         if h.is_nan() {

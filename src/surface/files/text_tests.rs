@@ -44,7 +44,7 @@ fn what_is_written_is_read_back_to_the_last_bit_with_its_gaps() {
     let scan =
         Topography::new([3, 2], Spacing::Metres([7.843e-9, 1e-8]), heights.clone(), 1e6, None).unwrap();
     let mut bytes = Vec::new();
-    write(&scan, &mut bytes).unwrap();
+    write(&scan, &Notes::default(), &mut bytes).unwrap();
     let (_, _, size, spacing, samples) = only(read(&bytes));
     assert_eq!(size, [3, 2]);
     assert!((spacing[0].unwrap() / 7.843e-9 - 1.0).abs() < 1e-15);

@@ -10,6 +10,7 @@ use super::topography::Topography;
 use super::{image, park, units};
 use crate::error::{self, Error, Result};
 use crate::memory;
+use crate::notes::{self, Notes};
 use ::tiff::decoder::ifd::Value;
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::encoder::{Rational, TiffEncoder, colortype};
@@ -68,6 +69,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         return Ok(scan);
     }
     let unit = value_unit(&mut decoder);
+    let prepared = notes::preparation(&description(&mut decoder));
     let (samples, largest) = numbers(decoder, size, bytes.len())?;
     let (samples, size) = oriented(samples, size, orientation);
     let metres = units::length(&unit);
@@ -84,6 +86,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             size,
             spacing: distances,
             quantity,
+            prepared,
             decode: Box::new(move || Ok(samples.into_iter().map(|x| x * factor).collect())),
         },
     );
@@ -101,10 +104,14 @@ fn image_j(text: &str, key: &str) -> Option<String> {
     Some(value.trim().replace("\\u00B5", "\u{b5}").replace("\\u00b5", "\u{b5}"))
 }
 
+/// Returns the description of the image; empty if there is none.
+fn description(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
+    decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default()
+}
+
 /// Returns the unit of the samples: that of ImageJ's description, else metres.
 fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
-    let text = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
-    image_j(&text, "vunit").unwrap_or_else(|| "m".to_owned())
+    image_j(&description(decoder), "vunit").unwrap_or_else(|| "m".to_owned())
 }
 
 /// Converts the decoder's message into an error of this program.
@@ -196,8 +203,9 @@ fn oriented(samples: Vec<f64>, [columns, rows]: [usize; 2], orientation: u16) ->
 
 /// Returns the distances of samples and lines \[m\]: those of this program's description, or of the resolution tags.
 fn distances(decoder: &mut Decoder<Cursor<&[u8]>>) -> [Option<f64>; 2] {
-    let text = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
-    if let Some((x, y)) = text.strip_prefix(OWN).and_then(|rest| rest.trim().split_once(" x ")) {
+    let text = description(decoder);
+    let first = text.lines().next().unwrap_or_default();
+    if let Some((x, y)) = first.strip_prefix(OWN).and_then(|rest| rest.trim().split_once(" x ")) {
         return [x, y].map(|d| spacing(d.parse().ok()?, 1));
     }
     let resolution_unit = decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit).ok().flatten();
@@ -223,11 +231,11 @@ fn distances(decoder: &mut Decoder<Cursor<&[u8]>>) -> [Option<f64>; 2] {
 }
 
 /// Writes `scan` as 32-bit floats in metres, with the distance of samples in the resolution tags and, exactly, in the
-/// description.
+/// description, before `notes`.
 ///
 /// # Errors
 /// The file cannot be written to.
-pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> Result<()> {
+pub fn write(scan: &Topography, notes: &Notes, file: &mut (impl Write + Seek)) -> Result<()> {
     let [columns, rows] = scan.size().map(|n| n as u32); // at most MAX_SIDE
     let [dx, dy] = scan.spacing();
     let heights: Vec<f32> = scan.metres().map(|h| h as f32).collect();
@@ -237,7 +245,8 @@ pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> Result<()> {
         image.resolution_unit(ResolutionUnit::Centimeter);
         image.x_resolution(rational(0.01 / dx));
         image.y_resolution(rational(0.01 / dy));
-        image.encoder().write_tag(Tag::ImageDescription, format!("{OWN}{dx:e} x {dy:e}").as_str())?;
+        let description = format!("{OWN}{dx:e} x {dy:e}\n{}", notes::ascii(&notes.text()));
+        image.encoder().write_tag(Tag::ImageDescription, description.as_str())?;
         image.write_data(&heights)
     };
     write().map_err(|e: TiffError| {

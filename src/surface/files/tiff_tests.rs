@@ -117,7 +117,7 @@ fn what_is_written_has_its_distances_and_the_rounding_of_single_precision() {
     for spacing in [[7.843137254901961e-9, 1e-8], [1e-12, 3.3e-6], [2.58e-6, 3e-3]] {
         let scan = Topography::new([3, 2], Spacing::Metres(spacing), heights.clone(), 1e6, None).unwrap();
         let mut bytes = Cursor::new(Vec::new());
-        write(&scan, &mut bytes).unwrap();
+        write(&scan, &Notes::default(), &mut bytes).unwrap();
         let (_, _, size, found, samples) = only(read(bytes.get_ref()));
         assert_eq!((size, found), ([3, 2], spacing.map(Some)));
         assert!(samples.iter().zip(&heights).all(|(a, b)| *a == f64::from(*b as f32)));

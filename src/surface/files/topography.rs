@@ -5,6 +5,7 @@ use super::invalid;
 use super::plausible::{self, HeightSource};
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::notes::PreparationRecord;
 
 /// Micrometres of a metre.
 const UM: f64 = 1e6;
@@ -49,6 +50,7 @@ pub struct Topography {
     unit: f64,
     missing: usize,
     origin: Option<ScanOrigin>,
+    prepared: PreparationRecord,
 }
 
 /// Sample spacing in its original unit.
@@ -97,7 +99,8 @@ impl Topography {
                 "check the scale of the heights",
             ));
         }
-        Ok(Self { size, spacing, pixel_size, samples, unit, missing, origin })
+        let prepared = PreparationRecord::default();
+        Ok(Self { size, spacing, pixel_size, samples, unit, missing, origin, prepared })
     }
 
     /// Returns the heights of a height field, all of them measured.
@@ -107,6 +110,7 @@ impl Topography {
             size: [field.columns(), field.rows()],
             spacing: pixel_size.map(|d| d / UM),
             pixel_size,
+            prepared: field.prepared().clone(),
             samples: field.into_heights(),
             unit: 1.0,
             missing: 0,
@@ -132,6 +136,17 @@ impl Topography {
     /// Returns the origin of the heights; `None` for computed ones.
     pub fn origin(&self) -> Option<&ScanOrigin> {
         self.origin.as_ref()
+    }
+
+    /// Returns the steps that made these heights of the measured ones, as the file notes them.
+    pub fn prepared(&self) -> &PreparationRecord {
+        &self.prepared
+    }
+
+    /// Returns the same heights with the record of their preparation.
+    #[must_use]
+    pub fn with_record(self, prepared: PreparationRecord) -> Self {
+        Self { prepared, ..self }
     }
 
     /// Returns questions about implausible scales, with the heights by `scale`.
@@ -190,7 +205,7 @@ impl Topography {
         for sample in &mut self.samples {
             *sample *= self.unit;
         }
-        HeightField::new(columns, rows, self.pixel_size, self.samples)
+        Ok(HeightField::new(columns, rows, self.pixel_size, self.samples)?.with_record(self.prepared))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{Topography, gsf, gwy, npy, text, tiff, x3p};
 use crate::error::{Error, Result};
+use crate::notes::Notes;
 use crate::output;
 use std::path::Path;
 
@@ -12,7 +13,7 @@ pub enum ScanFormat {
     Gsf,
     /// Gwyddion's native format: float64 in metres. It cannot mark samples that were not measured.
     Gwyddion,
-    /// NumPy array of float64 in metres, without a lateral scale.
+    /// NumPy array of float64 in metres, without a lateral scale and without notes.
     Npy,
     /// TIFF of 32-bit floats in metres, with resolution tags.
     Tiff,
@@ -64,11 +65,12 @@ pub fn rounding(format: ScanFormat, scan: &Topography) -> f64 {
     errors.fold(0.0, f64::max) / (high - low)
 }
 
-/// Writes `scan` to `path`, whole or not at all.
+/// Writes `scan` to `path`, whole or not at all, with notes of its preparation and of the `command` that writes it. A NumPy array has no
+/// room for notes.
 ///
 /// # Errors
 /// Heights that the format cannot hold; a place that cannot be written to.
-pub fn write(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
+pub fn write(path: &Path, format: ScanFormat, scan: &Topography, command: String) -> Result<()> {
     if format.is_single() && scan.metres().any(|h| h.abs() > f64::from(f32::MAX)) {
         return Err(Error::failed(
             "a height is too large for 32-bit floats",
@@ -82,15 +84,16 @@ pub fn write(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
             "write .gsf, .npy, .tif, .txt or .x3p",
         ));
     }
+    let notes = Notes::new(command, scan.prepared());
     output::write_atomically(path, |file| {
         let failed = |e: std::io::Error| output::write_failed(path, &e);
         match format {
-            ScanFormat::Gsf => gsf::write(scan, file).map_err(failed),
-            ScanFormat::Gwyddion => gwy::write(scan, file).map_err(failed),
+            ScanFormat::Gsf => gsf::write(scan, &notes, file).map_err(failed),
+            ScanFormat::Gwyddion => gwy::write(scan, &notes, file).map_err(failed),
             ScanFormat::Npy => npy::write(scan, file).map_err(failed),
-            ScanFormat::Tiff => tiff::write(scan, file).map_err(|e| e.at(path.display())),
-            ScanFormat::Text => text::write(scan, file).map_err(failed),
-            ScanFormat::X3p => x3p::write(scan, file).map_err(failed),
+            ScanFormat::Tiff => tiff::write(scan, &notes, file).map_err(|e| e.at(path.display())),
+            ScanFormat::Text => text::write(scan, &notes, file).map_err(failed),
+            ScanFormat::X3p => x3p::write(scan, &notes, file).map_err(failed),
         }
     })
 }

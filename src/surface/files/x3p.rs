@@ -9,6 +9,7 @@ use super::topography::Topography;
 use crate::error::{Error, Result};
 use crate::input::MAX_TEXT;
 use crate::memory;
+use crate::notes::{self, Notes, PreparationRecord};
 use roxmltree::{Document, Node};
 use std::borrow::Cow;
 use std::io::{Cursor, Read, Seek, Write};
@@ -70,14 +71,21 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         Some(link) if !link.trim().is_empty() => Some(linked(link, count.div_ceil(8) as u64)?),
         _ => None,
     };
-    let mut scan = Scan::new("X3P", layers(&header, samples, mask)?);
+    let comment = at(root, &["Record2", "Comment"]).and_then(|n| n.text()).unwrap_or_default();
+    let prepared = notes::preparation(comment);
+    let mut scan = Scan::new("X3P", layers(&header, samples, mask, &prepared)?);
     scan.asks = true;
     scan.notes.extend(scaled);
     Ok(scan)
 }
 
-/// Returns one channel for each layer; samples that `mask` excludes were not measured.
-fn layers(header: &X3pHeader, mut samples: Vec<f64>, mask: Option<Vec<u8>>) -> Result<Vec<Channel<'static>>> {
+/// Returns one channel for each layer, whose heights were `prepared`; samples that `mask` excludes were not measured.
+fn layers(
+    header: &X3pHeader,
+    mut samples: Vec<f64>,
+    mask: Option<Vec<u8>>,
+    prepared: &PreparationRecord,
+) -> Result<Vec<Channel<'static>>> {
     if let Some(mask) = mask {
         if mask.len() < samples.len().div_ceil(8) {
             return Err(damaged("its mask is shorter than its data"));
@@ -97,6 +105,7 @@ fn layers(header: &X3pHeader, mut samples: Vec<f64>, mask: Option<Vec<u8>>) -> R
             size: header.size,
             spacing: header.spacing,
             quantity: Quantity::Height,
+            prepared: prepared.clone(),
             decode,
         });
     }
@@ -278,11 +287,11 @@ fn unzip(e: &ZipError) -> Error {
     }
 }
 
-/// Writes `scan` as float64 in metres; NaN for samples that were not measured.
+/// Writes `scan` as float64 in metres, NaN for samples that were not measured, and `notes` as a comment of its second record.
 ///
 /// # Errors
 /// The file cannot be written to.
-pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> std::io::Result<()> {
+pub fn write(scan: &Topography, notes: &Notes, file: &mut (impl Write + Seek)) -> std::io::Result<()> {
     /// Size from which a zip needs its 64-bit form \[bytes\].
     const LARGE: u64 = u32::MAX as u64;
     let count = (scan.size()[0] * scan.size()[1]) as u64;
@@ -297,7 +306,7 @@ pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> std::io::Resu
         sum.consume(bytes);
         archive.write_all(&bytes)
     })?;
-    let xml = description(scan, &format!("{:x}", sum.finalize()));
+    let xml = description(scan, notes, &format!("{:x}", sum.finalize()));
     archive.start_file(MAIN, options)?;
     archive.write_all(xml.as_bytes())?;
     archive.start_file("md5checksum.hex", options)?;
@@ -306,8 +315,8 @@ pub fn write(scan: &Topography, file: &mut (impl Write + Seek)) -> std::io::Resu
     Ok(())
 }
 
-/// Returns the description of `scan`, whose data have the check sum `sum`.
-fn description(scan: &Topography, sum: &str) -> String {
+/// Returns the description of `scan` with `notes`, whose data have the check sum `sum`.
+fn description(scan: &Topography, notes: &Notes, sum: &str) -> String {
     let [columns, rows] = scan.size();
     let [dx, dy] = scan.spacing();
     let axis = |name: &str, kind: &str, step: f64| {
@@ -316,7 +325,8 @@ fn description(scan: &Topography, sum: &str) -> String {
         )
     };
     let axes = [axis("CX", "I", dx), axis("CY", "I", dy), axis("CZ", "A", 1.0)].concat();
-    let version = env!("CARGO_PKG_VERSION");
+    let software = notes::software();
+    let comment = notes::xml(&notes.text());
     format!(
         r#"<?xml version="1.0" encoding="UTF-8" standalone="no"?>
 <p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:schemaLocation="http://www.opengps.eu/2008/ISO5436_2 http://www.opengps.eu/2008/ISO5436_2/ISO5436_2.xsd">
@@ -332,13 +342,14 @@ fn description(scan: &Topography, sum: &str) -> String {
       <Manufacturer>not available</Manufacturer>
       <Model>not available</Model>
       <Serial>not available</Serial>
-      <Version>diffract {version}</Version>
+      <Version>{software}</Version>
     </Instrument>
     <CalibrationDate>1970-01-01T00:00:00Z</CalibrationDate>
     <ProbingSystem>
       <Type>Software</Type>
-      <Identification>diffract {version}</Identification>
+      <Identification>{software}</Identification>
     </ProbingSystem>
+    <Comment>{comment}</Comment>
   </Record2>
   <Record3>
     <MatrixDimension>

@@ -120,7 +120,7 @@ fn what_is_written_is_read_back_to_the_last_bit_with_its_gaps() {
     let scan =
         Topography::new([3, 2], Spacing::Metres([7.843e-9, 1e-8]), heights.clone(), 1e6, None).unwrap();
     let mut bytes = Cursor::new(Vec::new());
-    write(&scan, &mut bytes).unwrap();
+    write(&scan, &Notes::default(), &mut bytes).unwrap();
     let (_, _, size, spacing, samples) = only(read(bytes.get_ref()));
     assert_eq!((size, spacing), ([3, 2], [Some(7.843e-9), Some(1e-8)]));
     assert!(samples[1].is_nan());

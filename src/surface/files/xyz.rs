@@ -5,6 +5,7 @@ use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, TextTable};
 use crate::error::{Error, Result};
 use crate::memory;
+use crate::notes::PreparationRecord;
 
 /// Difference of equal coordinates, relative to the length of the axis.
 const SAME: f64 = 1e-7;
@@ -60,6 +61,7 @@ pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
             size,
             spacing: [spacing(x.step, 1), spacing(y.step, 1)],
             quantity: Quantity::Height,
+            prepared: PreparationRecord::default(),
             decode: Box::new(move || Ok(samples)),
         },
     ))

@@ -56,7 +56,7 @@ pub enum PreparationStep {
 }
 
 impl PreparationStep {
-    /// Returns the field after this step.
+    /// Returns the field after this step, which its record names.
     ///
     /// # Errors
     /// A rectangle that is not inside the field, a length that the field is too small for, grooves that cannot be found, a result that is
@@ -78,7 +78,11 @@ impl PreparationStep {
             Self::Tile(tile) => tile.apply(field),
             Self::Invert => invert::apply(field),
         };
-        apply().map_err(|e| e.at(self))
+        let mut prepared = field.prepared().clone();
+        if !self.is_nothing() {
+            prepared.push(self);
+        }
+        Ok(apply().map_err(|e| e.at(self))?.with_record(prepared))
     }
 
     /// Returns true if the step leaves every field unchanged.

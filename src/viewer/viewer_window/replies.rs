@@ -2,7 +2,8 @@
 
 use super::{PendingSave, PreparationRequest, ViewerWindow};
 use crate::error::{Error, Result};
-use crate::picture_file::{self, Notes, PictureFormat};
+use crate::notes::Notes;
+use crate::picture_file::{self, PictureFormat};
 use crate::render::renderer::Picture;
 use crate::viewer::controls::in_controls;
 use crate::viewer::error_probe::{ErrorProbe, ProbeTask};
@@ -267,15 +268,15 @@ impl ViewerWindow {
         Ok(())
     }
 
-    /// Saves the picture for the oldest waiting file, with the errors of scalar theory for it.
-    fn save(&mut self, drawn: Result<(Box<Picture>, String)>) {
+    /// Saves the picture for the oldest waiting file, with its notes and the command that draws it.
+    fn save(&mut self, drawn: Result<(Box<Picture>, Notes)>) {
         if self.saves.is_empty() {
             return;
         }
         let PendingSave { stem, with_exr, command, is_recorded } = self.saves.remove(0);
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let saved = drawn.and_then(|(picture, scalar_theory)| {
-            let notes = Notes::new(command, scalar_theory);
+        let saved = drawn.and_then(|(picture, notes)| {
+            let notes = Notes { command, ..notes };
             picture_file::write(&as_png, PictureFormat::Png, &picture, &notes)?;
             if with_exr { picture_file::write(&as_exr, PictureFormat::Exr, &picture, &notes) } else { Ok(()) }
         });
