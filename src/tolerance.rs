@@ -5,8 +5,10 @@ use crate::error::{Error, Remedy, Result};
 /// Range of tolerances: below the first, rounding of 32-bit floats dominates everywhere.
 pub const TOLERANCES: (f64, f64) = (1e-6, 1.0);
 
-/// Factor by which the next tolerance is larger at least, above the rounding of f64.
-const STEP: f64 = 1.0 + 1e-9;
+/// Factor by which the next tolerance is larger at least: far above [`ROUNDING`], so that it is another number of one digit.
+const STEP: f64 = 1.0 + 1e-6;
+/// Factor within which numbers count as equal, above the rounding of f64.
+const ROUNDING: f64 = 1.0 + 1e-9;
 
 /// Returns `error` with the least tolerance that `attempt` accepts in place of a larger one. Without such a tolerance, the remedy is left out. Errors with other
 /// remedies are returned as they are.
@@ -56,12 +58,12 @@ fn growth(error: &Error) -> Option<f64> {
 /// Returns the least number of one significant digit that is at least `tolerance`, exactly as a parser reads it.
 fn rounded_up(tolerance: f64) -> f64 {
     let decade = tolerance.log10().floor() as i32;
-    of_digit((tolerance * 10f64.powi(-decade) / STEP).ceil(), decade)
+    of_digit((tolerance * 10f64.powi(-decade) / ROUNDING).ceil(), decade)
 }
 
 /// Returns the number of one digit below the `tolerance` of one digit.
 fn next_below(tolerance: f64) -> f64 {
-    let decade = (tolerance * STEP).log10().floor() as i32;
+    let decade = (tolerance * ROUNDING).log10().floor() as i32;
     let digit = (tolerance * 10f64.powi(-decade)).round();
     if digit > 1.0 { of_digit(digit - 1.0, decade) } else { of_digit(9.0, decade - 1) }
 }

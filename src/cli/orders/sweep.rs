@@ -186,8 +186,7 @@ pub fn of(
         let relief = Relief::of(&scaled(field, scale)?)?;
         point(*conditions, &scaled(cell, scale)?, relief, reflectance, arguments.least)
     };
-    let runs = points.iter().map(|run| run.iter().map(&mut of_point).collect()).collect();
-    runs
+    points.iter().map(|run| run.iter().map(&mut of_point).collect()).collect()
 }
 
 /// Returns `field` with heights multiplied by `scale`.
