@@ -5,7 +5,7 @@ mod geometry;
 pub(super) mod readings;
 
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions,
+    CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions, real,
 };
 use super::{captions, evaluation, write};
 use crate::error::{Error, Result};
@@ -61,6 +61,7 @@ pub struct Arguments {
         long,
         value_name = "DEG[,DEG...]",
         value_delimiter = ',',
+        value_parser = aspecular,
         allow_hyphen_values = true,
         default_value = "15,25,45,75,110",
         conflicts_with = "view"
@@ -112,6 +113,11 @@ pub(super) fn angles(text: &str) -> Result<[f64; 2]> {
         Some([theta, phi]) if theta.abs() < 90.0 && phi.abs() <= 360.0 => Ok([*theta, *phi]),
         _ => Err(refused()),
     }
+}
+
+/// Parses an angle from the mirror direction \[degrees\].
+pub(super) fn aspecular(text: &str) -> Result<f64> {
+    real(text, (-180.0, 180.0), "aspecular angle in degrees")
 }
 
 /// Parses the full angle of an aperture \[degrees\].

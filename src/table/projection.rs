@@ -61,7 +61,11 @@ impl Projection {
         let whole = whole.ok_or_else(|| {
             Error::failed(
                 format!("{MOST_PIECES} cubics do not hold the colours of so high a surface"),
-                [Remedy::TimesTolerance(least / settings.budget.basis), Remedy::OneWindow],
+                [
+                    Remedy::TimesTolerance(least / settings.budget.basis),
+                    Remedy::OneWindow,
+                    Remedy::ShorterCoherence,
+                ],
             )
         })?;
         let layers = whole.basis.layers().max(LAYERS);

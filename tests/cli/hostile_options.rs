@@ -133,6 +133,13 @@ const BAD: &[(&str, &[&[&str]])] = &[
             ],
         ],
     ),
+    ("--aspecular", &[NO_NUMBER, &["200", "-60", "25,", "25;45", "25deg"]]),
+    ("--view", &[NO_NUMBER, &["90", "-90,0", "0,361", "1,2,3", "30deg"]]),
+    ("--geometry", &[&["", " ", "E2194", "45", "d8", "e2194,e2539"]]),
+    ("--aperture", &[NO_NUMBER, &["2", "-1deg", "31deg", "2um", "nandeg"]]),
+    ("--spectrum", &[&["", "none/out.csv", ".", "..", "/", "/dev/null", "grey.png/out.csv", "folder.png"]]),
+    // One value, of two.
+    ("--sweep", &[NO_NUMBER, NO_RANGE, &["wavelength", "colour"]]),
     ("--least", &[NO_NUMBER, &["-1", "-1e-9", "1.5", "1%", "1e9"]]),
     ("--size", &[NO_NUMBER, NO_COUNTS, &["16385x1", "1280 720"]]),
     ("--windows", &[NO_NUMBER, NO_COUNTS, &["65x1"]]),
@@ -226,6 +233,10 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
             let own = ["--light", "30,0", "--size", "4x4", "--output", "out.png"];
             [&own[..], &SURFACE, &OPTICS].concat()
         }
+        ["colour"] => {
+            let own = ["--light", "45", "--aspecular", "25,60", "--output", "out.png"];
+            [&own[..], &SURFACE, &OPTICS].concat()
+        }
         ["orders"] => {
             let own = ["--light", "30,0", "--wavelength", "550nm", "--output", "out.png"];
             [&own[..], &SURFACE].concat()
@@ -240,6 +251,9 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
             [&own[..], &SURFACE, &OPTICS[..2]].concat()
         }
         ["surface", "info"] => SURFACE.to_vec(),
+        ["surface", "compare"] => {
+            [&["grey.png", "--aspecular", "25,60", "--aperture", "0deg"], &SURFACE[2..], &OPTICS].concat()
+        }
         ["surface", "convert"] => [&SURFACE[..], &["--output", "out.gsf"]].concat(),
         ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
         ["completions"] => vec!["bash"],
@@ -261,7 +275,7 @@ fn options(sandbox: &Sandbox, command: &[&str]) -> Vec<String> {
 
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
-    sandbox.write("grey.png", grey_png(8, 8, |x, y| (x * 30 + y) as u8));
+    sandbox.write("grey.png", grey_png(12, 12, |x, y| (x * 20 + y) as u8));
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");
     std::fs::create_dir(sandbox.path("folder.png")).unwrap();
     sandbox.write("folder.png/notes.txt", "x");
@@ -299,7 +313,11 @@ fn every_option_refuses_what_has_no_meaning() {
             if let Some(place) = arguments.iter().position(|a| *a == option) {
                 arguments.drain(place..place + 2);
             }
-            for value in lists.iter().copied().flatten() {
+            // A direction of these may be an angle alone, on either side of the normal.
+            let takes_angles = matches!(*command, ["colour"] | ["surface", "compare"]);
+            let is_sound =
+                |value: &str| takes_angles && option == "--light" && ["30", "-1,0"].contains(&value);
+            for value in lists.iter().copied().flatten().filter(|value| !is_sound(value)) {
                 let what = format!("{command:?} {option} {value:?}");
                 let line = sandbox.run2(command, &[&arguments[..], &[&option, value]].concat());
                 // A device is looked for when there is a window.

@@ -1,7 +1,7 @@
 //! `diffract surface compare`: statistics and predicted colours of several height fields, a row for each.
 
 use crate::cli::colour::readings::{AngleReading, Detector};
-use crate::cli::colour::{angles, aperture};
+use crate::cli::colour::{angles, aperture, aspecular};
 use crate::cli::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions,
 };
@@ -48,8 +48,7 @@ pub struct CompareArguments {
     #[arg(
         long,
         value_name = "DEG[,DEG...]",
-        value_delimiter = ',',
-        allow_hyphen_values = true,
+        value_delimiter = ',', value_parser = aspecular, allow_hyphen_values = true,
         default_value = "15,25,45,75,110"
     )]
     aspecular: Vec<f64>,
