@@ -87,10 +87,18 @@ impl Axis {
     pub fn ticks(&self, wanted: usize) -> Vec<Tick> {
         let decades = (self.high / self.low).log10().abs();
         let ticks = match self.scale {
-            AxisScale::Log if decades > 0.7 => log_ticks(self.low, self.high, decades, wanted),
-            _ => return self.linear_ticks(wanted),
+            AxisScale::Log if decades > 0.7 => self.log_ticks(decades, wanted),
+            _ => self.linear_ticks(wanted),
         };
         ticks.into_iter().filter(|tick| self.holds(tick)).collect()
+    }
+
+    /// Returns the ticks of several decades, with labels between decades where else fewer than two were on the axis.
+    fn log_ticks(&self, decades: f64, wanted: usize) -> Vec<Tick> {
+        let fine = decades < 0.5 * wanted as f64;
+        let ticks = log_ticks(self.low, self.high, decades, wanted, fine);
+        let labelled = ticks.iter().filter(|tick| !tick.label.is_empty() && self.holds(tick)).count();
+        if labelled >= 2 { ticks } else { log_ticks(self.low, self.high, decades, wanted, true) }
     }
 
     /// Returns linear ticks, more than are `wanted` where these are no scale.
@@ -132,12 +140,11 @@ fn linear_ticks(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
         .collect()
 }
 
-/// Returns decades, or every few of them, with unlabelled ticks between; 1, 2, 5 for few decades.
-fn log_ticks(low: f64, high: f64, decades: f64, wanted: usize) -> Vec<Tick> {
+/// Returns decades, or every few of them, with unlabelled ticks between; with labels at 2 and 5 if `fine`.
+fn log_ticks(low: f64, high: f64, decades: f64, wanted: usize, fine: bool) -> Vec<Tick> {
     let (low, high) = (low.min(high), low.max(high));
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
     let every = (decades / wanted.max(1) as f64).ceil().max(1.0) as i32;
-    let fine = decades < 0.5 * wanted as f64;
     (first..=last)
         .flat_map(|exponent| {
             (1..10).map(move |digit| {

@@ -70,6 +70,7 @@ fn point(svg: &mut Svg, at: [f64; 2], shape: MarkShape, r: f64, color: Color) {
     let edge = Stroke::new(PAPER, 0.8);
     match shape {
         MarkShape::Disc => svg.circle(at, r, Some(color), edge),
+        MarkShape::Chip => svg.chip(at, r, color),
         MarkShape::Ring => svg.circle(at, r, None, Stroke::new(color, 1.6)),
         MarkShape::Square => {
             svg.polygon(&[[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]], color, 1.0)

@@ -10,6 +10,8 @@ use super::svg::Anchor;
 pub enum MarkShape {
     /// A disc.
     Disc,
+    /// A disc that shows a colour, which is the same on every ground.
+    Chip,
     /// A ring.
     Ring,
     /// A square.

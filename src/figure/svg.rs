@@ -1,6 +1,6 @@
 //! The SVG elements of figures. Lengths are pixels, y grows downward.
 
-use super::palette::{Color, PAPER, Theme};
+use super::palette::{Color, PAPER, QUIET, Theme};
 use super::text::Weight;
 use crate::notes::{Notes, xml};
 use std::fmt::Write;
@@ -165,6 +165,18 @@ impl Svg {
             self.theme.shown(stroke.color).hex(),
             stroke.width,
             stroke.opacity
+        );
+    }
+
+    /// Draws a disc of this `color` on any ground, with a rim that sets it off.
+    pub fn chip(&mut self, centre: [f64; 2], radius: f64, color: Color) {
+        let _ = writeln!(
+            self.body,
+            "<circle cx=\"{:.2}\" cy=\"{:.2}\" r=\"{radius:.2}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"1\"/>",
+            centre[0],
+            centre[1],
+            color.hex(),
+            self.theme.shown(QUIET).hex()
         );
     }
 

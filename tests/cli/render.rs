@@ -197,7 +197,7 @@ fn a_picture_that_fails_keeps_the_former_file() {
         let mut arguments = vec!["render", "plate", "-o", "kept.png", "--pixel-size", "90nm"];
         let rest: Vec<_> = [["--surface", "small.png"], ["--height", "100nm"]].concat();
         arguments.extend(rest.chunks(2).filter(|pair| !more.contains(&pair[0])).flatten());
-        sandbox.run2(&arguments, more).refused_somehow(&format!("{more:?}"));
+        sandbox.run2(&arguments, more).without_questions().refused_somehow(&format!("{more:?}"));
         assert_eq!(sandbox.content(), before, "{more:?}");
     }
     render(&sandbox, "sphere", "kept.png", &[]);

@@ -49,6 +49,13 @@ impl Outcome {
         line
     }
 
+    /// The same without the questions about units on stderr, which stand before an error.
+    pub fn without_questions(mut self) -> Self {
+        let lines = self.stderr.split_inclusive('\n');
+        self.stderr = lines.filter(|line| !line.trim_end().ends_with('?')).collect();
+        self
+    }
+
     /// The one line of a run that has to be refused; `what` was asked for.
     #[track_caller]
     pub fn refused_somehow(&self, what: &str) -> String {

@@ -74,15 +74,9 @@ impl ColourFigure<'_> {
     /// Returns `panel` with a chip for each reading, where `at` puts it.
     fn with_chips(&self, panel: Panel, at: impl Fn(&AngleReading, usize) -> [f64; 2]) -> Panel {
         self.readings.iter().enumerate().fold(panel, |panel, (place, reading)| {
-            let disc = |color: Color, radius: f64| Mark::Points {
-                points: vec![at(reading, place)],
-                color,
-                shape: MarkShape::Disc,
-                radius,
-            };
-            // A rim sets a chip off from the paper.
-            let rimmed = panel.mark(disc(palette::QUIET, CHIP + 1.0));
-            rimmed.named(reading.name(), disc(Color(reading.display), CHIP))
+            let points = vec![at(reading, place)];
+            let color = Color(reading.display);
+            panel.named(reading.name(), Mark::Points { points, color, shape: MarkShape::Chip, radius: CHIP })
         })
     }
 
