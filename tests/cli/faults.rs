@@ -262,7 +262,11 @@ fn where_the_disk_is_full_results_fail_whole_and_spectra_are_only_not_kept() {
         let failed = with_files_of_at_most(&sandbox, 1, arguments);
         assert_eq!(failed.code, Some(1), "{failed:?}");
         let line = failed.stderr.lines().last().unwrap();
-        assert!(line.contains("cannot write: the file would be larger than the system allows") && line.contains("free space"), "{line}");
+        assert!(
+            line.contains("cannot write: the file would be larger than the system allows")
+                && line.contains("free space"),
+            "{line}"
+        );
         assert_eq!(sandbox.content(), before, "{arguments:?}");
     }
     sandbox.run(&surface).done();
