@@ -183,7 +183,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--destripe", &[&["x", ""]]), // the same
     ("--deconvolve-tip", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm"]]),
     ("--invert", &[&["x", ""]]), // the same
-    ("--crop", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["2um", "90nm+1um+0um", "90nm+0um", "90nm+0um+0um+0um"]]),
+    ("--crop", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["2um", "90nm+2um+0um", "90nm+0um", "90nm+0um+0um+0um"]]),
     ("--resample", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["0.01nm"]]),
     ("--rotate", &[NO_NUMBER, &["30", "361deg", "30um", "Auto", "auto,30deg"]]),
     ("--taper", &[NO_NUMBER, NO_LENGTH, &["2um", "5nmx5nm"]]),
