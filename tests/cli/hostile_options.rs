@@ -140,7 +140,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--spectrum", &[&["", "none/out.csv", ".", "..", "/", "/dev/null", "grey.png/out.csv", "folder.png"]]),
     // One value, of two.
     ("--sweep", &[NO_NUMBER, NO_RANGE, &["wavelength", "colour"]]),
-    ("--least", &[NO_NUMBER, &["-1", "-1e-9", "1.5", "1%", "1e9"]]),
+    ("--least", &[NO_NUMBER, &["-1", "-1e-9", "1.5", "101%", "1e9"]]),
     ("--size", &[NO_NUMBER, NO_COUNTS, &["16385x1", "1280 720"]]),
     ("--windows", &[NO_NUMBER, NO_COUNTS, &["65x1"]]),
     (
