@@ -19,7 +19,7 @@ use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::scene::FarLight;
 use crate::setup;
 use crate::surface::HeightField;
-use crate::surface::statistics::Relief;
+use crate::surface::statistics::{Relief, joining};
 use clap::Args;
 use glam::DVec3;
 use std::ffi::OsString;
@@ -120,16 +120,38 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         reflectance.check_wavelength(wavelength)?;
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    if setup::beyond_of(&field) == Beyond::Alike {
-        say(
-            &"the edges of the patch do not meet: its copies have steps, whose light is in the orders; crop the patch to whole periods (--crop)",
-        );
-    }
+    tell_of_broken_copies(&field)?;
     let cell = field.unit_cell()?;
     match &sweep {
         Some(sweep) => run_sweep(arguments, sweep, &field, &cell, &reflectance, &style),
         None => run_single(arguments, &field, &cell, &reflectance),
     }
+}
+
+/// Tells what copies of the patch of `field` break, if they do: its light is in the orders.
+fn tell_of_broken_copies(field: &HeightField) -> Result<()> {
+    let tiling = joining(field)?;
+    let broken = tiling.broken_in_words();
+    if !broken.is_empty() {
+        say(&format_args!(
+            "the patch holds {}: its copies break the grooves, whose orders move to whole periods; crop the patch to whole periods (--crop)",
+            broken.join(" and ")
+        ));
+    } else if setup::continued(&tiling) == Beyond::Alike {
+        say(
+            &"the edges of the patch do not meet: its copies have steps, whose light is in the orders; crop the patch to whole periods (--crop)",
+        );
+    }
+    Ok(())
+}
+
+/// Returns what is said of efficiencies that add up to `sum`; `None` where the surface sends no more light than it gets.
+fn excess_of_sum(sum: f64) -> Option<&'static str> {
+    /// Sum above 1 that is more than rounding.
+    const ABOVE_ONE: f64 = 1.0 + 1e-6;
+    (sum > ABOVE_ONE).then_some(
+        "this is more light than falls on the surface, because the theory does not hold here; `--theory small-slope` is limited to what a flat surface reflects",
+    )
 }
 
 /// Computes the orders at the wavelengths of `arguments` and writes them.
@@ -250,8 +272,6 @@ impl EfficiencySums {
 
     /// Tells the share of the light of this `wavelength` that the orders of `cell` take, and by how much they err.
     fn tell(&self, cell: &HeightField, wavelength: &str, theory: &ScalarTheory) {
-        /// Sum above 1 that is more than rounding.
-        const ABOVE_ONE: f64 = 1.0 + 1e-6;
         let [x, y] = cell.patch_size();
         let (count, share) = self.written;
         let faint = match self.fainter {
@@ -263,10 +283,8 @@ impl EfficiencySums {
         say(&format_args!(
             "{wavelength}: {count} orders of a cell of {x:.4} x {y:.4} um take {share:.4} of the light{faint}"
         ));
-        if share + self.fainter.1 > ABOVE_ONE {
-            say(&format_args!(
-                "{wavelength}: this is more light than falls on the surface, because the theory does not hold here; `--theory small-slope` is limited to what a flat surface reflects"
-            ));
+        if let Some(excess) = excess_of_sum(share + self.fainter.1) {
+            say(&format_args!("{wavelength}: {excess}"));
         }
         if let Some(note) = excess_note(self.limit) {
             say(&format_args!("{wavelength}: {note}"));

@@ -56,6 +56,14 @@ impl Tiling {
         self.periods[axis].filter(|periods| (periods - periods.round()).abs() > WHOLE)
     }
 
+    /// Returns [`Self::broken_periods`] in words: `12.35 periods along x`, for each axis that has some.
+    pub fn broken_in_words(&self) -> Vec<String> {
+        let along = |(axis, name): (usize, &str)| {
+            self.broken_periods(axis).map(|periods| format!("{periods:.2} periods along {name}"))
+        };
+        ["x", "y"].into_iter().enumerate().filter_map(along).collect()
+    }
+
     /// Returns true if copies join without visible steps along `axis`, 0 for `x` and 1 for `y`.
     pub fn joins(&self, axis: usize) -> bool {
         match self.verdict {

@@ -395,3 +395,19 @@ fn a_share_may_be_written_in_percent() {
     assert!(number.lines().count() > 1 && number == percent, "{number}\n{percent}");
     assert!(least("101%").refused(2).contains("percent"));
 }
+
+#[test]
+fn a_patch_without_a_whole_number_of_periods_says_so_and_not_that_its_edges_do_not_meet() {
+    let sandbox = Sandbox::new().without_vulkan();
+    // The edges are at one height, and on opposite flanks.
+    let at = |i: u32| 50.0 * (TAU * 12.35 * f64::from(i) / 200.0 + TAU * 0.075).sin();
+    let row: Vec<String> = (0..200).map(|i| format!("{:.6}", at(i))).collect();
+    let header = "# Channel: Height\n# Width: 16 um\n# Height: 1 um\n# Value units: nm\n";
+    sandbox.write("wave.txt", header.to_owned() + &format!("{}\n", row.join(" ")).repeat(60));
+    let ask = ["orders", "wave.txt", "--light", "0,0", "--wavelength", "550nm", "--least", "1%"];
+    let said = sandbox.run(ask).stderr;
+    assert!(
+        said.contains("the patch holds 12.35 periods along x") && !said.contains("do not meet"),
+        "{said}"
+    );
+}

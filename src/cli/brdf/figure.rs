@@ -36,8 +36,7 @@ pub fn panel_names(arguments: &Arguments) -> &'static [&'static str] {
 
 /// Describes the surface, the lights and the quantity in words.
 fn settings(arguments: &Arguments, field: &HeightField) -> String {
-    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
-    let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
+    let name = arguments.surface.name(arguments.surface_name.as_deref());
     let shown = match arguments.wavelength {
         Some(wavelength) => format!("{} nm", (wavelength * 1e4).round() / 10.0),
         None => format!("colour under {}", arguments.colour.illuminant.display()),

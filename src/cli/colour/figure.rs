@@ -96,8 +96,7 @@ impl ColourFigure<'_> {
 
     fn caption(&self) -> String {
         let arguments = self.arguments;
-        let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
-        let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
+        let name = arguments.surface.name(arguments.surface_name.as_deref());
         let aperture = match arguments.aperture {
             0.0 => String::new(),
             degrees => format!(", read through an aperture of {degrees}°"),

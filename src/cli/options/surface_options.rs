@@ -11,7 +11,11 @@ use crate::surface::synth::SurfaceKind;
 use crate::surface::{HeightField, SurfaceSource};
 use crate::units;
 use clap::Args;
+use std::borrow::Cow;
 use std::ffi::{OsStr, OsString};
+
+/// Surface of commands whose user names none.
+const DEFAULT_SURFACE: &str = "elaphe";
 
 /// The height field.
 #[derive(Args, Clone, Debug, Default)]
@@ -42,6 +46,12 @@ impl SurfaceOptions {
     pub fn files<'a>(&'a self, positional: Option<&'a OsStr>) -> Option<&'a OsStr> {
         let built_in = |name: &OsStr| name.to_str().and_then(SurfaceKind::from_name).is_some();
         positional.or(self.surface.as_deref()).filter(|name| !built_in(name))
+    }
+
+    /// Returns the name of the surface, which is the default one unless there is another.
+    pub fn name<'a>(&'a self, positional: Option<&'a OsStr>) -> Cow<'a, str> {
+        let named = positional.or(self.surface.as_deref());
+        named.map_or(DEFAULT_SURFACE.into(), OsStr::to_string_lossy)
     }
 
     /// Loads and prepares the height field that the options name, or that of `scene`, or `fallback`.

@@ -1,7 +1,7 @@
 //! The efficiencies of a sweep as a labelled figure.
 
 use super::Arguments;
-use super::sweep::{Conditions, PolarisedOrder, Sweep, SweepPoint, SweptQuantity};
+use super::sweep::{PolarisedOrder, Sweep, SweepPoint, SweptQuantity};
 use crate::cli::captions;
 use crate::figure::{Axis, Figure, Mark, Panel, palette};
 use crate::optics::reflectance::Reflectance;
@@ -101,11 +101,8 @@ fn name_of([m, n]: [i64; 2]) -> String {
 }
 
 fn caption(arguments: &Arguments, sweep: &Sweep, field: &HeightField, reflectance: &Reflectance) -> String {
-    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
-    let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
-    let light = arguments.light.map_or([0.0; 2], |light| [light.theta, light.phi]);
-    let Conditions { theta, phi, .. } =
-        Conditions { wavelength: 0.0, theta: light[0], phi: light[1], height: 0.0 };
+    let name = arguments.surface.name(arguments.surface_name.as_deref());
+    let [theta, phi] = arguments.light.map_or([0.0; 2], |light| [light.theta, light.phi]);
     let light = match sweep.quantity {
         SweptQuantity::Angle => format!("light in the plane φ = {phi}°"),
         _ => format!("light from θ = {theta}°, φ = {phi}°"),

@@ -1,6 +1,6 @@
 //! Efficiencies of the orders over a range of wavelengths, angles of incidence or heights, in both polarisations.
 
-use super::{Arguments, NM_PER_UM, is_written, rounded};
+use super::{Arguments, NM_PER_UM, excess_of_sum, is_written, rounded};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
@@ -17,8 +17,6 @@ use crate::surface::statistics::Relief;
 
 /// Largest height of a sweep \[nm\].
 const HIGHEST: f64 = 1e5;
-/// Sum of efficiencies above 1 that is more than rounding.
-const ABOVE_ONE: f64 = 1.0 + 1e-6;
 
 /// Quantity that a sweep changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,14 +177,32 @@ pub fn of(
     let count = points.iter().map(Vec::len).sum();
     let bar = Progress::new("orders", "a range with larger steps");
     let mut done = 0;
+    let mut stretched: Option<StretchedSurface> = None;
     let mut of_point = |conditions: &Conditions| -> Result<SweepPoint> {
         bar.show("orders", done, count)?;
         done += 1;
         let scale = if height > 0.0 { conditions.height / height } else { 1.0 };
-        let relief = Relief::of(&scaled(field, scale)?)?;
-        point(*conditions, &scaled(cell, scale)?, relief, reflectance, arguments.least)
+        // Only a sweep of heights has more than one.
+        let surface = match stretched.take().filter(|surface| surface.scale == scale) {
+            Some(surface) => surface,
+            None => StretchedSurface::of(field, cell, scale)?,
+        };
+        point(*conditions, stretched.insert(surface), reflectance, arguments.least)
     };
     points.iter().map(|run| run.iter().map(&mut of_point).collect()).collect()
+}
+
+/// Surface whose heights are multiplied by a factor.
+struct StretchedSurface {
+    scale: f64,
+    cell: HeightField,
+    relief: Relief,
+}
+
+impl StretchedSurface {
+    fn of(field: &HeightField, cell: &HeightField, scale: f64) -> Result<Self> {
+        Ok(Self { scale, cell: scaled(cell, scale)?, relief: Relief::of(&scaled(field, scale)?)? })
+    }
 }
 
 /// Returns `field` with heights multiplied by `scale`.
@@ -195,11 +211,10 @@ fn scaled(field: &HeightField, scale: f64) -> Result<HeightField> {
     HeightField::new(field.columns(), field.rows(), field.pixel_size(), heights)
 }
 
-/// Computes the orders of `cell` under one set of conditions.
+/// Computes the orders of `surface` under one set of conditions.
 fn point(
     conditions: Conditions,
-    cell: &HeightField,
-    relief: Relief,
+    surface: &StretchedSurface,
     reflectance: &Reflectance,
     least: f64,
 ) -> Result<SweepPoint> {
@@ -207,7 +222,7 @@ fn point(
     let light = direction(theta, phi);
     let in_light = |polarisation: Polarisation| {
         let reflectance = reflectance.clone().polarised(polarisation);
-        MeanBrdf::in_sunlight(cell, reflectance).orders(light, wavelength, &|_, _| Ok(()))
+        MeanBrdf::in_sunlight(&surface.cell, reflectance).orders(light, wavelength, &|_, _| Ok(()))
     };
     let mean = in_light(Polarisation::None)?;
     let is_polarised = reflectance.law() != DielectricLaw::Schlick;
@@ -217,7 +232,7 @@ fn point(
     let both =
         |place: usize| polarised.as_ref().map(|lists| lists.each_ref().map(|list| list[place].efficiency));
     let orders = mean.iter().enumerate().filter(|(_, order)| is_written(order, least));
-    let theory = ScalarTheory::new(relief, reflectance, LightColour::Wavelength(wavelength));
+    let theory = ScalarTheory::new(surface.relief, reflectance, LightColour::Wavelength(wavelength));
     Ok(SweepPoint {
         conditions,
         orders: orders
@@ -276,10 +291,8 @@ pub fn tell(sweep: &Sweep, runs: &[Vec<SweepPoint>]) {
         "{} points; all orders together take {least:.4} to {most:.4} of the light",
         points().count()
     ));
-    if most > ABOVE_ONE {
-        say(
-            &"this is more light than falls on the surface, because the theory does not hold here; `--theory small-slope` is limited to what a flat surface reflects",
-        );
+    if let Some(excess) = excess_of_sum(most) {
+        say(&excess);
     }
     let limit = points().map(|point| point.limit).fold(1.0, f64::max);
     if let Some(note) = excess_note(limit) {

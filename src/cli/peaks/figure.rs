@@ -182,8 +182,7 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
 }
 
 fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> String {
-    let name = arguments.surface_name.as_deref().or(arguments.surface.surface.as_deref());
-    let name = name.map_or("elaphe".into(), |name| name.to_string_lossy());
+    let name = arguments.surface.name(arguments.surface_name.as_deref());
     let told = |of: &Found| format!("Order {}: {}.", of.sought.order, of.lines().join("; "));
     let lines: Vec<String> = found.iter().map(told).collect();
     let periods = match found {

@@ -16,7 +16,7 @@ use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part
 use crate::surface::{HeightField, Statistics};
 use clap::Args;
 use glam::DVec3;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 /// Nanometres in a micrometre.
@@ -82,6 +82,7 @@ struct ComparedSurface {
     pixel_size: [f64; 2],
     statistics: Statistics,
     readings: Vec<AngleReading>,
+    prepared: PreparationRecord,
     /// |f| \[1/µm\] and the power density \[nm² µm²\] averaged over directions.
     spectrum: Vec<[f64; 2]>,
 }
@@ -112,8 +113,8 @@ pub fn run(arguments: &CompareArguments) -> Result<()> {
     }
     let mut compared = Vec::new();
     for (name, of_folder) in &surfaces {
-        match ComparedSurface::of(arguments, name, &asked) {
-            Ok(surface) => compared.push(surface),
+        match arguments.surface.load(Some(name), None, "") {
+            Ok(field) => compared.push(ComparedSurface::of(arguments, name, &field, &asked)?),
             // A folder may hold other files, too.
             Err(e) if *of_folder && surfaces.len() > 1 => {
                 say(&format_args!("left out: {}", e.at(name.to_string_lossy())));
@@ -128,9 +129,21 @@ pub fn run(arguments: &CompareArguments) -> Result<()> {
         ));
     }
     write::text(arguments.output.as_deref(), &table(&compared)?)?;
-    // The preparation is in the command, and each surface may bring its own.
-    let notes = Notes::new(captions::own_command(), &PreparationRecord::default());
+    let notes = Notes::new(captions::own_command(), &preparation(&compared));
     arguments.plot.as_deref().map_or(Ok(()), |path| figure(&compared).save(path, &style, &notes))
+}
+
+/// Returns the preparation that all surfaces have, or that of each with its name.
+fn preparation(compared: &[ComparedSurface]) -> PreparationRecord {
+    let mut records = compared.iter().map(|surface| &surface.prepared);
+    match records.next() {
+        Some(first) if records.all(|record| record == first) => first.clone(),
+        _ => {
+            let mut each = PreparationRecord::default();
+            compared.iter().for_each(|surface| each.push(format!("{}: {}", surface.name, surface.prepared)));
+            each
+        }
+    }
 }
 
 /// Returns the surfaces that are `named`, with the files of folders in alphabetical order, and true for those.
@@ -169,20 +182,25 @@ fn listed(named: &[OsString]) -> Result<Vec<(OsString, bool)>> {
 }
 
 impl ComparedSurface {
-    /// Loads and measures the surface `name`, and answers the readings that are `asked`.
-    fn of(arguments: &CompareArguments, name: &OsString, asked: &[AngleReading]) -> Result<Self> {
-        let field = arguments.surface.load(Some(name.as_os_str()), None, "")?;
-        let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
+    /// Measures the surface `name`, and answers the readings that are `asked`.
+    fn of(
+        arguments: &CompareArguments,
+        name: &OsStr,
+        field: &HeightField,
+        asked: &[AngleReading],
+    ) -> Result<Self> {
+        let optics = arguments.optics.for_directions(&arguments.colour, field)?;
         let detector = Detector { aperture: arguments.aperture, wavelengths: &[] };
         let mut readings = asked.to_vec();
-        detector.read(&mut readings, &field, optics, &arguments.device.wish())?;
+        detector.read(&mut readings, field, optics, &arguments.device.wish())?;
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
             samples: [field.columns(), field.rows()],
             pixel_size: field.pixel_size(),
-            statistics: Statistics::of(&field)?,
+            statistics: Statistics::of(field)?,
             readings,
-            spectrum: radial(&field)?,
+            prepared: field.prepared().clone(),
+            spectrum: radial(field)?,
         })
     }
 

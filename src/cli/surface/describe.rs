@@ -45,9 +45,7 @@ fn pair([x, y]: [f64; 2], unit: &str, factor: f64) -> String {
 fn grid(field: &HeightField, statistics: &Statistics) -> Vec<Line> {
     let tiling = &statistics.tiling;
     let [x, y] = tiling.ratio;
-    let broken = ["x", "y"].into_iter().enumerate().filter_map(|(axis, name)| {
-        tiling.broken_periods(axis).map(|periods| format!("{periods:.2} periods along {name}, "))
-    });
+    let broken = tiling.broken_in_words().into_iter().map(|periods| periods + ", ");
     let seams = format!(
         "{} ({}steps across the seams {x:.2}, {y:.2} of the nearest inside)",
         tiling.verdict.words(),

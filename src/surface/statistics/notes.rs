@@ -89,10 +89,7 @@ fn seams(statistics: &Statistics) -> Option<String> {
     if tiling.verdict == Verdict::Tiles {
         return None;
     }
-    let broken = ["x", "y"].into_iter().enumerate().filter_map(|(axis, name)| {
-        tiling.broken_periods(axis).map(|periods| format!("{periods:.2} periods along {name}"))
-    });
-    let broken: Vec<String> = broken.collect();
+    let broken = tiling.broken_in_words();
     if !broken.is_empty() {
         return Some(format!(
             "seams: copies do not join, because the patch holds {}; `crop` it to whole periods, or `tile` or `taper` it",
