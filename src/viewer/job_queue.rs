@@ -4,14 +4,14 @@ use super::compare::Side;
 use super::error_probe::ProbeTask;
 use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
-use super::quality::{Detail, Quality};
+use super::quality::Quality;
 use crate::error::{Error, Result};
 use crate::notes::Notes;
 use crate::render::renderer::Picture;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Work that is done once and never replaced by a newer request.
+/// Work that is done once and never replaced by a newer request. It gives way to frames, and goes on after them.
 pub enum Job {
     /// Draw the whole frame and return it as a picture.
     Picture(FrameRequest),
@@ -35,10 +35,10 @@ pub enum RenderReply {
     Frame(Box<RenderedFrame>),
     /// Fraction of a picture that is drawn.
     Drawing(Side, f32),
+    /// Fraction of the picture of a [`Job::Picture`] that is drawn.
+    Saving(f32),
     /// A frame of a moving scene was abandoned after this time \[ms\].
     TooSlow(Quality, f64),
-    /// The device is out of memory for the spectra of moving pictures.
-    NoRoom(Detail),
     /// Picture of [`Job::Picture`] with a description of the errors of scalar theory for its surface, or an error.
     Picture(Result<(Box<Picture>, Notes)>),
     /// Pixels of [`Job::Samples`].
@@ -100,6 +100,17 @@ impl JobQueue {
         self.changed.notify_one();
     }
 
+    /// Returns true if a job is to be interrupted.
+    pub fn interrupts_jobs(&self) -> bool {
+        let pending = self.pending();
+        pending.stop || pending.frame.as_ref().is_some_and(|frame| !frame.again)
+    }
+
+    /// Puts back an interrupted job, before the others.
+    pub fn put_back(&self, job: Job) {
+        self.pending().jobs.insert(0, job);
+    }
+
     /// Puts back `request` if it was abandoned for a job rather than for a newer request.
     pub fn resume(&self, request: FrameRequest) {
         let mut pending = self.pending();
@@ -128,14 +139,16 @@ impl JobQueue {
         }
     }
 
-    /// Waits for the next task, jobs first; `None` if the thread is to end.
+    /// Waits for the next task; `None` if the thread is to end. Frames come first, so that the window follows the hand while
+    /// a job waits; frames of continuous drawing come after jobs, which would never be done otherwise.
     pub fn next(&self) -> Option<Task> {
         let mut pending = self.pending();
         loop {
             if pending.stop {
                 return None;
             }
-            if !pending.jobs.is_empty() {
+            let waits = !pending.jobs.is_empty();
+            if waits && pending.frame.as_ref().is_none_or(|frame| frame.again) {
                 return Some(Task::Job(pending.jobs.remove(0)));
             }
             if let Some(request) = pending.frame.take() {
@@ -159,7 +172,7 @@ mod tests {
     use std::time::Instant;
 
     #[test]
-    fn jobs_go_first_then_the_newest_frame_and_samples_are_added_last() {
+    fn frames_go_before_jobs_continuous_ones_after_them_and_samples_are_added_last() {
         let name = |task: Task| match task {
             Task::Job(_) => "job",
             Task::Frame(_) => "frame",
@@ -176,8 +189,14 @@ mod tests {
         queue.resume(frame());
         assert!(queue.pending().frame.is_none());
         queue.update(|pending| pending.jobs.push(Job::Picture(frame())));
-        queue.resume(frame());
+        queue.resume(FrameRequest { again: true, ..frame() });
+        assert!(!queue.interrupts_jobs());
         assert_eq!([(); 2].map(|()| name(queue.next().unwrap())), ["job", "frame"]);
+        // A job gives way to the hand.
+        queue.update(|pending| pending.frame = Some(frame()));
+        assert!(queue.interrupts_jobs());
+        queue.put_back(Job::Picture(frame()));
+        assert_eq!([(); 2].map(|()| name(queue.next().unwrap())), ["frame", "job"]);
         // Another frame ends the refinement of the last one.
         queue.refine(frame());
         queue.update(|pending| pending.frame = Some(frame()));
