@@ -244,7 +244,7 @@ mod tests {
 
     fn export(folder: &Path) -> Result<()> {
         let (conformance, table) = small_table();
-        let material = ExportedMaterial { table: table.into(), conformance };
+        let material = ExportedMaterial { table, conformance };
         let mut description =
             MaterialDescription::new(&small_field(), &small_settings(), &material, String::new());
         write(folder, &material, &mut description)

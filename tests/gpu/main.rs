@@ -30,6 +30,7 @@ mod promise;
 mod rays;
 mod repeats;
 mod single_samples;
+mod tasks;
 mod thesis;
 #[cfg(feature = "viewer")]
 mod viewer;

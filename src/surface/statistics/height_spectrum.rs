@@ -8,7 +8,7 @@ use rustfft::{FftPlanner, num_complex::Complex};
 use std::f64::consts::{LN_2, TAU};
 
 /// The longest side that is transformed; of larger fields the middle is taken, which holds the same frequencies.
-const LONGEST_SIDE: usize = 8192;
+const LONGEST_SIDE: usize = 4096;
 /// Frequencies above this share of the largest one are taken for noise.
 const NOISE_BAND: f64 = 0.8;
 /// Frequencies above this share of the largest one belong to structure that is hardly sampled.
