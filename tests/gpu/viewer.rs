@@ -2,7 +2,6 @@
 
 use crate::device::with_device;
 use crate::evaluation::{grating, layers, optics, patch, window};
-use crate::measure::channel;
 use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
 use diffract::optics::spectrum::Illuminant;
@@ -12,7 +11,7 @@ use diffract::render::renderer::{PictureRequest, Renderer};
 use diffract::render::source::Source;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::settings::{Method, Optics};
-use diffract::spectra::amplitude::{Layers, compute};
+use diffract::spectra::amplitude::Layers;
 use diffract::surface::synth::SurfaceKind;
 use diffract::viewer::error_probe::{ProbeSamples, samples};
 use diffract::vk::device::Device;
