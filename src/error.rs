@@ -11,6 +11,8 @@ pub enum ErrorKind {
     Usage,
     /// The request was sound, the work failed (exit code 1).
     Failed,
+    /// Whoever waited for the work cancelled it (exit code 1).
+    Cancelled,
 }
 
 /// Remedy: a change with which the request succeeds. Each setting has a variant, because every program has different names for it, its
@@ -172,6 +174,20 @@ impl Error {
         Self { kind: ErrorKind::Failed, what: what.into(), remedies: remedies.into().0 }
     }
 
+    /// Returns the error of work that was cancelled.
+    pub fn cancelled() -> Self {
+        Self {
+            kind: ErrorKind::Cancelled,
+            what: "cancelled".to_owned(),
+            remedies: vec![Remedy::Words("start it again".into())],
+        }
+    }
+
+    /// Returns true if the work was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.kind == ErrorKind::Cancelled
+    }
+
     /// Returns the same error with `place` (a file, a line, an option) named in front.
     #[must_use]
     pub fn at(mut self, place: impl fmt::Display) -> Self {
@@ -212,7 +228,7 @@ impl Error {
     /// Returns the exit code of the process.
     pub fn exit_code(&self) -> u8 {
         match self.kind {
-            ErrorKind::Failed => 1,
+            ErrorKind::Failed | ErrorKind::Cancelled => 1,
             ErrorKind::Usage => 2,
         }
     }

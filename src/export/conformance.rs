@@ -10,13 +10,14 @@ use crate::error::{Error, Result};
 use crate::filter::Covariance;
 use crate::optics::color::xyz_to_linear_srgb;
 use crate::optics::geometry::{Pair, direction};
-use crate::optics::nufft::Progress;
 use crate::optics::spectrum::SHORTEST;
 use crate::random::Random;
 use crate::table::{ColorTable, TableReader};
+use crate::task::Task;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Directions of an export.
 const DIRECTIONS: usize = 1000;
@@ -61,19 +62,19 @@ impl Conformance {
     /// Evaluates `table` and the exact `mean` in the directions of `settings`.
     ///
     /// # Errors
-    /// Too little memory for all orders; errors of `progress`.
+    /// Too little memory for all orders; a cancelled task.
     pub fn new(
-        mean: MeanBrdf<'_>,
+        mean: MeanBrdf,
         settings: &ExportSettings,
-        table: &ColorTable,
-        progress: Progress<'_>,
+        table: &Arc<ColorTable>,
+        task: &Task,
     ) -> Result<Self> {
         let asked = questions(settings.footprint, table.header.coherence_blur.sqrt());
         let pairs: Vec<_> = asked.iter().map(|(pair, [dx, dy])| (*pair, covariance(*dx, *dy))).collect();
         let reflectance = mean.reflectance.clone();
-        let exact = TabulatedMean::new(mean, SHORTEST, progress)?.limited(Decimation::Coarse);
-        let exact = exact.xyz(&settings.illuminant, &pairs, SummedOrders::All, progress)?;
-        let reader = TableReader::new(table);
+        let exact = TabulatedMean::new(mean, SHORTEST, task)?.limited(Decimation::Coarse);
+        let exact = exact.xyz(&settings.illuminant, &pairs, SummedOrders::All, task)?;
+        let reader = TableReader::new(Arc::clone(table));
         let read: Vec<DVec3> =
             pairs.par_iter().map(|(pair, footprint)| reader.xyz(pair, &reflectance, footprint)).collect();
         let row = |((pair, footprint), (exact, read)): ((Pair, [DVec2; 2]), (DVec3, DVec3))| ConformanceRow {
@@ -305,9 +306,9 @@ pub(super) mod tests {
         HeightField::new(48, 40, [0.09, 0.09], heights).unwrap()
     }
 
-    pub(in crate::export) fn small_table() -> (Conformance, ColorTable) {
-        static MADE: LazyLock<(Conformance, ColorTable)> = LazyLock::new(|| {
-            let made = ExportedMaterial::new(&small_field(), &small_settings(), &|_, _, _| Ok(())).unwrap();
+    pub(in crate::export) fn small_table() -> (Conformance, Arc<ColorTable>) {
+        static MADE: LazyLock<(Conformance, Arc<ColorTable>)> = LazyLock::new(|| {
+            let made = ExportedMaterial::new(&small_field(), &small_settings(), &Task::silent()).unwrap();
             (made.conformance, made.table)
         });
         MADE.clone()
@@ -330,7 +331,7 @@ pub(super) mod tests {
         for polarisation in Polarisation::ALL {
             let reflectance = Reflectance::of_material(glass.clone(), None).polarised(polarisation);
             let settings = ExportSettings { reflectance, ..small_settings() };
-            let made = ExportedMaterial::new(&small_field(), &settings, &|_, _, _| Ok(())).unwrap();
+            let made = ExportedMaterial::new(&small_field(), &settings, &Task::silent()).unwrap();
             let errors = made.conformance.errors();
             eprintln!("{polarisation:?}: {errors:?}");
             // TM light has no reflection at Brewster's angle, which a footprint may reach from others.
@@ -343,7 +344,7 @@ pub(super) mod tests {
         let (_, whole) = small_table();
         let most = whole.bytes() as u64 / 3;
         let settings = ExportSettings { most_bytes: Some(most), ..small_settings() };
-        let made = ExportedMaterial::new(&small_field(), &settings, &|_, _, _| Ok(())).unwrap();
+        let made = ExportedMaterial::new(&small_field(), &settings, &Task::silent()).unwrap();
         assert!(
             made.table.bytes() as u64 <= most && made.table.bytes() as u64 > most / 4,
             "{}",
@@ -352,7 +353,7 @@ pub(super) mod tests {
         assert!(made.table.header.grid.finest > settings.footprint);
         assert!(made.conformance.errors().relative_l2 <= settings.tolerance);
         let none = ExportSettings { most_bytes: Some(10), ..small_settings() };
-        assert!(ExportedMaterial::new(&small_field(), &none, &|_, _, _| Ok(())).is_err());
+        assert!(ExportedMaterial::new(&small_field(), &none, &Task::silent()).is_err());
     }
 
     #[test]
@@ -365,7 +366,7 @@ pub(super) mod tests {
     #[test]
     fn a_right_port_passes_and_ports_with_one_mistake_do_not() {
         let (conformance, table) = small_table();
-        let reader = TableReader::new(&table);
+        let reader = TableReader::new(Arc::clone(&table));
         let errors = |pair: &dyn Fn(&Pair) -> Pair,
                       footprint: &dyn Fn([DVec2; 2]) -> [DVec2; 2],
                       factor: &dyn Fn(&Pair) -> f64| {

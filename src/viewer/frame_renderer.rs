@@ -6,7 +6,7 @@ use super::error_probe::{self, ProbeTask};
 use super::frame::{FrameRequest, LoadedScene, Pace, PictureCost, RenderedFrame};
 use super::inset::{self, Inset, InsetRequest};
 use super::inspector::reading::Reading;
-use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
+use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, RenderWork};
 use super::prepared::Prepared;
 use super::quality::Quality;
 use crate::error::{Error, Result};
@@ -139,7 +139,7 @@ impl FrameRenderer {
     pub fn run(mut self, queue: &JobQueue, reply: &dyn Fn(RenderReply)) {
         while let Some(task) = queue.next() {
             let result = match task {
-                Task::Frame(request) => {
+                RenderWork::Frame(request) => {
                     let drawn = self.draw(&request, queue, reply);
                     match drawn {
                         Ok(None) => queue.resume(request),
@@ -148,9 +148,9 @@ impl FrameRenderer {
                     }
                     drawn
                 }
-                Task::Pixel(request) => self.read_pixel(request),
-                Task::Refine(request) => self.refine(request, queue),
-                Task::Job(job) => {
+                RenderWork::Pixel(request) => self.read_pixel(request),
+                RenderWork::Refine(request) => self.refine(request, queue),
+                RenderWork::Job(job) => {
                     let done = match (self.perform(&job, queue, reply), &job) {
                         (Err(e), Job::Picture(_)) if !self.device.is_lost() => {
                             Ok(Some(RenderReply::Picture(Err(e))))

@@ -69,8 +69,8 @@ pub struct Pending {
 /// Longest wait for the window, which may be hidden.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
-/// Next task of the render thread.
-pub enum Task {
+/// Next work of the render thread.
+pub enum RenderWork {
     /// Draw a frame.
     Frame(FrameRequest),
     /// Read a pixel.
@@ -141,7 +141,7 @@ impl JobQueue {
 
     /// Waits for the next task; `None` if the thread is to end. Frames come first, so that the window follows the hand while
     /// a job waits; frames of continuous drawing come after jobs, which would never be done otherwise.
-    pub fn next(&self) -> Option<Task> {
+    pub fn next(&self) -> Option<RenderWork> {
         let mut pending = self.pending();
         loop {
             if pending.stop {
@@ -149,17 +149,17 @@ impl JobQueue {
             }
             let waits = !pending.jobs.is_empty();
             if waits && pending.frame.as_ref().is_none_or(|frame| frame.again) {
-                return Some(Task::Job(pending.jobs.remove(0)));
+                return Some(RenderWork::Job(pending.jobs.remove(0)));
             }
             if let Some(request) = pending.frame.take() {
                 pending.refined = None;
-                return Some(Task::Frame(request));
+                return Some(RenderWork::Frame(request));
             }
             if let Some(request) = pending.pixel.take() {
-                return Some(Task::Pixel(request));
+                return Some(RenderWork::Pixel(request));
             }
             if let Some(request) = pending.refined.take() {
-                return Some(Task::Refine(request));
+                return Some(RenderWork::Refine(request));
             }
             pending = self.changed.wait(pending).unwrap_or_else(PoisonError::into_inner);
         }
@@ -173,11 +173,11 @@ mod tests {
 
     #[test]
     fn frames_go_before_jobs_continuous_ones_after_them_and_samples_are_added_last() {
-        let name = |task: Task| match task {
-            Task::Job(_) => "job",
-            Task::Frame(_) => "frame",
-            Task::Pixel(_) => "pixel",
-            Task::Refine(_) => "refine",
+        let name = |task: RenderWork| match task {
+            RenderWork::Job(_) => "job",
+            RenderWork::Frame(_) => "frame",
+            RenderWork::Pixel(_) => "pixel",
+            RenderWork::Refine(_) => "refine",
         };
         let queue = JobQueue::default();
         let frame = || crate::viewer::frame::tests::request();

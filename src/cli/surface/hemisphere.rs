@@ -1,7 +1,7 @@
 //! Colours of a surface over all directions: an overview for the page of `surface info`, computed on the CPU.
 
 use crate::cli::brdf::map::{HemisphereMap, views};
-use crate::cli::progress::Progress;
+use crate::cli::progress::ProgressBar;
 use crate::error::Result;
 use crate::figure::{Mark, MarkShape, Panel, Raster, palette};
 use crate::filter::Covariance;
@@ -16,6 +16,7 @@ use crate::table::{ColorTable, TableReader, TableSettings, bake};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Pixels on a side of a map.
 const SIDE: u32 = 600;
@@ -61,7 +62,7 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
 }
 
 /// Bakes the colour table of `field`.
-fn table(field: &HeightField) -> Result<ColorTable> {
+fn table(field: &HeightField) -> Result<Arc<ColorTable>> {
     let sigma = Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE);
     let powers = PowerSettings::new(sigma, setup::beyond_of(field), TOLERANCE);
     let colours = TableSettings {
@@ -70,9 +71,9 @@ fn table(field: &HeightField) -> Result<ColorTable> {
         memory_limit: MEMORY,
         ..TableSettings::new(Illuminant::D65, TOLERANCE)
     };
-    let bar = Progress::new("orders", "a part of the surface (--crop)");
-    let series = OrderSeries::new(field, &powers, &|done, of| bar.show("orders", done, of))?;
-    bake(&series, &colours, &|done, of| bar.show("colours", done, of))
+    let bar = ProgressBar::new("orders", "a part of the surface (--crop)");
+    let series = OrderSeries::new(field, &powers, &bar.task())?;
+    Ok(Arc::new(bake(&series, &colours, &bar.task())?))
 }
 
 /// Returns `field`, or the middle of a large one.
@@ -88,7 +89,7 @@ fn middle(field: &HeightField) -> Cow<'_, HeightField> {
 }
 
 /// Returns the panel of the colours in light from the polar angle `theta` and the azimuth `phi` \[degrees\], which `from` says in words.
-fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
+fn panel(table: &Arc<ColorTable>, theta: f64, phi: f64, from: String) -> Panel {
     let light = direction(theta, phi);
     let map = map(table, light);
     let stops = exposure(&map, light);
@@ -106,8 +107,8 @@ fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
 }
 
 /// Returns the linear sRGB of the BRDF \[sr⁻¹\] toward every direction.
-fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
-    let reader = TableReader::new(table);
+fn map(table: &Arc<ColorTable>, light: DVec3) -> HemisphereMap {
+    let reader = TableReader::new(Arc::clone(table));
     let footprint = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
     let views: Vec<(usize, DVec3)> = views(SIDE, 0..SIDE).collect();
     let color = |&(place, view): &(usize, DVec3)| {
@@ -161,6 +162,7 @@ mod tests {
     use crate::brdf::tabulated::{SummedOrders, TabulatedMean};
     use crate::optics::spectrum::SHORTEST;
     use crate::surface::synth::{Spec, SurfaceKind, generate};
+    use crate::task::Task;
 
     fn small(kind: SurfaceKind) -> HeightField {
         generate(&Spec { patch: Some([20.0; 2]), ..Spec::new(kind) }).unwrap()
@@ -176,13 +178,17 @@ mod tests {
             let light = direction(SLANTED, 20.0);
             let map = map(&table, light);
             let sigma = COHERENCE / 4.0;
-            let mean =
-                MeanBrdf { field: &field, sigma, beyond: setup::beyond_of(&field), reflectance: IOR.into() };
-            let exact = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
+            let mean = MeanBrdf {
+                field: field.clone(),
+                sigma,
+                beyond: setup::beyond_of(&field),
+                reflectance: IOR.into(),
+            };
+            let exact = TabulatedMean::new(mean, SHORTEST, &Task::silent()).unwrap();
             let footprint = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
             let some: Vec<_> = views(SIDE, 0..SIDE).step_by(101).collect();
             let pairs: Vec<_> = some.iter().map(|(_, view)| (Pair::new(light, *view), footprint)).collect();
-            let colours = exact.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap();
+            let colours = exact.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &Task::silent()).unwrap();
             let (mut error, mut all) = (0.0, 0.0);
             for ((place, _), xyz) in some.iter().zip(colours) {
                 let expected = xyz_to_linear_srgb(xyz / light.z);

@@ -195,7 +195,7 @@ fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {
         LampShape::Rectangle { size: [width, height], .. } => &mut [("w ", width), ("h ", height)],
     };
     for (name, value) in sizes {
-        ui.add(number(*value).speed(0.002 * radius).range(1e-6..=1e6).max_decimals(4).prefix(*name));
+        ui.add(number(*value).speed(0.002 * radius).range(1e-6..=1e6).max_decimals(4).prefix(name));
     }
     if let Strength::Power(power) = &mut lamp.strength {
         let speed = 0.01 * *power;
