@@ -263,6 +263,8 @@ mod tests {
             let mut hand = Hand::new(size, scale);
             hand.key(Key::I);
             assert!(hand.model.inspector.open && hand.says("Point at the picture"));
+            let is_beside = hand.position_of("Inspector").x > hand.picture.right();
+            assert_eq!(is_beside, size[0] < 800.0, "a small picture stays visible");
             let at = pos2(40.0, 300.0);
             hand.point(at);
             let pixel = [at.x, at.y].map(|x| (x * scale) as u32);

@@ -58,6 +58,7 @@ fn handle(ui: &mut Ui, picture: Rect, model: &mut Model) {
 #[cfg(test)]
 mod tests {
     use crate::optics::coherence::{Coherence, Windows};
+    use crate::viewer::compare::Compare;
     use crate::viewer::hand::Hand;
     use crate::viewer::input;
     use crate::viewer::panel::LEAST_WIDTH;
@@ -77,7 +78,7 @@ mod tests {
         match number {
             0 => {
                 settings.optics.windows = Windows::ONE;
-                hand.model.comparison.mode = crate::viewer::compare::Compare::Beside;
+                hand.model.comparison.mode = Compare::Beside;
                 hand.model.comparison.surface = Some(settings.surface.clone());
             }
             1 => {
@@ -135,6 +136,10 @@ mod tests {
         assert!(hand.reads("left drag"));
         hand.key(Key::Escape);
         assert!(!hand.reads("left drag") && !hand.model.actions.close);
+
+        hand.key(Key::C);
+        hand.key(Key::Escape);
+        assert!(hand.model.comparison.mode == Compare::Alone && !hand.model.actions.close);
         hand.key(Key::Escape);
         assert!(hand.model.actions.close);
     }
@@ -356,7 +361,7 @@ mod tests {
         assert_eq!(hand.model.settings.exposure, start.exposure + 1.5, "a reset can be undone");
         // The settings of the comparison are reset without changing those of the picture.
         hand.model.settings.optics.tolerance = 0.05;
-        hand.model.comparison.mode = crate::viewer::compare::Compare::Beside;
+        hand.model.comparison.mode = Compare::Beside;
         hand.rest();
         let labels = hand.all("tolerance");
         let lower = labels.iter().map(|t| t.rect.center()).max_by(|a, b| a.y.total_cmp(&b.y)).unwrap();

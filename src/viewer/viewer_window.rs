@@ -406,8 +406,8 @@ impl ViewerWindow {
         self.model.actions.close = actions.close;
         self.carry_out(actions);
         self.model.pacing.quality.set_fps(self.model.pacing.fps);
-        self.request_preparations();
         self.track_motion();
+        self.request_preparations();
         // Each frame of continuous drawing requests the next one; this requests the first.
         let begins = self.model.pacing.continuous && !self.motion.continuous;
         self.motion.continuous = self.model.pacing.continuous;

@@ -137,6 +137,12 @@ impl Display {
         }
     }
 
+    /// Destroys `window`, which is of another program.
+    pub fn destroy(&self, window: Window) {
+        self.connection.destroy_window(window).unwrap();
+        self.connection.sync().unwrap();
+    }
+
     pub fn resize(&self, window: Window, size: [u32; 2]) {
         let change = ConfigureWindowAux::new().width(size[0]).height(size[1]);
         self.connection.configure_window(window, &change).unwrap();

@@ -641,3 +641,15 @@ fn every_picture_says_where_scalar_theory_holds_in_the_words_of_info() {
     let other = fs::read(sandbox.path("other.png")).unwrap();
     assert!(!other.windows(line.len()).any(|window| window == line.as_bytes()));
 }
+
+#[test]
+fn a_background_that_is_asked_for_makes_a_picture_opaque() {
+    let sandbox = Sandbox::with_small_surface();
+    let clear = |output: &str, more: &[&str]| {
+        render(&sandbox, "sphere", output, more);
+        let picture = image::open(sandbox.path(output)).unwrap().to_rgba8();
+        picture.pixels().filter(|pixel| pixel.0[3] < 255).count()
+    };
+    assert!(clear("clear.png", &[]) > 0);
+    assert_eq!(clear("opaque.png", &["--background", "1,1,1"]), 0);
+}

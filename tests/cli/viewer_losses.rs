@@ -50,3 +50,28 @@ fn a_lost_surface_is_made_anew() {
         viewer.close();
     }
 }
+
+#[test]
+fn a_window_that_another_program_destroys_ends_in_one_line() {
+    let viewer = Viewer::open(&["sphere", "--size", "700x500", "--light", "20,10"]);
+    // In the middle of frames.
+    viewer.display.key(u32::from(' '), &[]);
+    viewer.display.destroy(viewer.window);
+    let line = viewer.end().0.refused(1);
+    assert!(line.contains("another program has destroyed the window"), "{line}");
+    assert!(command(&line).contains("--light 20,10,"), "{line}");
+}
+
+#[test]
+fn a_compositor_that_is_gone_leads_to_x11_or_is_named() {
+    let gone = [("WAYLAND_DISPLAY", "wayland-77"), ("XDG_RUNTIME_DIR", "/nowhere")];
+    let viewer = Viewer::start(&["sphere", "--size", "700x500"], &gone);
+    viewer.says("full quality");
+    let mut command = viewer.sandbox.command(["view", "sphere"]);
+    command.envs(gone).env_remove("DISPLAY");
+    let output = command.output().unwrap();
+    let line = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), line.lines().count()), (Some(1), 1), "{line}");
+    assert!(line.contains("/nowhere/wayland-77") && line.contains("DISPLAY"), "{line}");
+    viewer.close();
+}

@@ -1,5 +1,6 @@
 //! Samples that are summed while nothing moves.
 
+use crate::display::wait_for;
 use crate::viewer::Viewer;
 
 #[test]
@@ -25,5 +26,25 @@ fn a_still_picture_goes_on_to_its_samples_and_is_saved_as_their_mean() {
     assert!(!viewer.words().iter().any(|word| word.text.contains("of 6 samples")));
     viewer.display.key('i'.into(), &[]);
     viewer.says("6 of 6 samples");
+    viewer.close();
+}
+
+#[test]
+fn a_picture_is_saved_while_the_hand_goes_on() {
+    let viewer = Viewer::start(&["sphere", "--size", "900x400", "--samples", "600"], &[]);
+    viewer.says("of 600 samples");
+    let before = viewer.display.look(viewer.window).unwrap();
+    viewer.display.key('s'.into(), &[]);
+    viewer.says("saving diffract-001.png");
+    viewer.display.drag(1, [270, 180], [315, 210]);
+    let picture = |shown: &image::RgbImage| image::imageops::crop_imm(shown, 200, 120, 160, 120).to_image();
+    wait_for("another view", || {
+        let shown = viewer.display.look(viewer.window)?;
+        (picture(&shown) != picture(&before)).then_some(())
+    });
+    assert!(!viewer.sandbox.path("diffract-001.png").exists(), "600 samples take longer than a drag");
+    viewer.says("saved ");
+    let command = viewer.sandbox.path("diffract-001.png");
+    assert!(command.is_file());
     viewer.close();
 }

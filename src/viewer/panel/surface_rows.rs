@@ -180,3 +180,37 @@ fn guess(ui: &mut Ui, guesses: &mut Guesses, file: &OsStr, scale: Scale, is_set:
         guesses.confirm(file, scale);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::viewer::guesses::Scale;
+    use crate::viewer::hand::Hand;
+    use egui::{Key, vec2};
+
+    #[test]
+    fn scales_that_are_assumed_come_into_view_and_are_marked_until_they_are_confirmed() {
+        for size in [[640.0, 480.0], [900.0, 1400.0]] {
+            let mut hand = Hand::new(size, 1.0);
+            hand.model.settings.surface.name = "scan.png".into();
+            hand.rest();
+            assert!(!hand.says("a guess"));
+            for scale in [Scale::Spacing, Scale::Height] {
+                hand.model.guesses.assume("scan.png".as_ref(), scale);
+            }
+            hand.rest();
+            assert!(hand.reads("sample spacing") && hand.reads("full height"), "in {size:?}");
+            assert_eq!(hand.all("a guess: keep?").len(), 2);
+            // A number that is entered is none, even the same.
+            let field = hand.position_of("sample spacing") + vec2(85.0, 0.0);
+            hand.click(field);
+            hand.key(Key::Enter);
+            assert_eq!(hand.all("a guess: keep?").len(), 1);
+            hand.press("a guess: keep?");
+            assert!(!hand.says("a guess"));
+            // Other files are not concerned.
+            hand.model.guesses.assume("other.png".as_ref(), Scale::Height);
+            hand.rest();
+            assert!(!hand.says("a guess"));
+        }
+    }
+}

@@ -7,7 +7,7 @@ use crate::scene::Light;
 use crate::setup::SourceSettings;
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::event::Event;
-use crate::viewer::frame::FrameRequest;
+use crate::viewer::frame::{FrameRequest, RenderedFrame};
 use crate::viewer::job_queue::PixelRequest;
 use crate::viewer::model::{Stage, TaskProgress};
 use crate::viewer::prepared::Role;
@@ -50,10 +50,16 @@ impl ViewerWindow {
     }
 
     /// Requests the source of `wanted` for the present view if camera or lights have moved since the last request: a close
-    /// view needs a finer source.
+    /// view needs a finer source. The whole picture comes first: the footprints are measured on the same device.
     fn request_as_seen(&mut self, wanted: &ViewSettings) {
         let seen = Seen { view: self.view(), size: self.model.size };
         if wanted.optics.settled().windows != Windows::All || self.requested.seen.as_ref() == Some(&seen) {
+            return;
+        }
+        let shows = |frame: &RenderedFrame| {
+            frame.quality == Quality::WHOLE && (&frame.view, frame.size) == (&seen.view, seen.size)
+        };
+        if !self.model.frame.as_ref().is_some_and(shows) {
             return;
         }
         self.request_for_views(wanted, vec![seen.view]);
