@@ -18,7 +18,7 @@ fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
     // An eighth more for small allocations beside a large one, and for the address space that the C library sets aside for each thread.
     let bytes = bytes.saturating_add(bytes / 8);
     match available {
-        Some(room) if bytes > room => Err(Error::failed(
+        Some(room) if bytes > room => Err(Error::memory(
             format!("{what} would take {} of memory and {} are free", in_words(bytes), in_words(room)),
             "use a smaller field, or a machine with more memory",
         )),

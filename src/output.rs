@@ -30,13 +30,13 @@ pub fn write_atomically<T>(
     let mut draft = Draft::beside(&target).map_err(|e| e.at(path.display()))?;
     let mut writer = BufWriter::new(draft.file());
     let value = write(&mut writer)?;
-    writer.flush().map_err(|e| write_failed(path, &e))?;
+    writer.flush().map_err(|e| write_failed(path, e))?;
     drop(writer);
-    draft.file().sync_all().map_err(|e| write_failed(path, &e))?;
+    draft.file().sync_all().map_err(|e| write_failed(path, e))?;
     if let Ok(former) = fs::metadata(&target) {
-        pass_on(&former, draft.file()).map_err(|e| write_failed(path, &e))?;
+        pass_on(&former, draft.file()).map_err(|e| write_failed(path, e))?;
     }
-    draft.persist(&target).map_err(|e| write_failed(path, &e))?;
+    draft.persist(&target).map_err(|e| write_failed(path, e))?;
     Ok(value)
 }
 
@@ -79,7 +79,7 @@ impl Draft {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        Self::new(folder, BEFORE_UMASK).map_err(|e| cannot_create(&e, folder))
+        Self::new(folder, BEFORE_UMASK).map_err(|e| cannot_create(e, folder))
     }
 
     /// Returns the file for writing.
@@ -146,11 +146,12 @@ fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
 }
 
 /// Returns the error for a write to `path` that the system refused.
-pub fn write_failed(path: &Path, cause: &io::Error) -> Error {
-    Error::failed(
-        format!("cannot write: {}", error::cause(cause)),
+pub fn write_failed(path: &Path, cause: io::Error) -> Error {
+    Error::files(
+        format!("cannot write: {}", error::cause(&cause)),
         "check the free space and the permissions",
     )
+    .caused_by(cause)
     .at(path.display())
 }
 
@@ -175,7 +176,7 @@ fn resolve(path: &Path) -> Result<PathBuf> {
             format!("{}: is write-protected and would be replaced", path.display()),
             "give the output another name, or allow writing to the file",
         )),
-        Ok(_) => path.canonicalize().map_err(|e| write_failed(path, &e)),
+        Ok(_) => path.canonicalize().map_err(|e| write_failed(path, e)),
         Err(_) => Ok(path.to_path_buf()),
     }
 }
@@ -191,20 +192,21 @@ fn may_be_written(path: &Path, there: &Metadata) -> bool {
     !there.permissions().readonly()
 }
 
-fn cannot_create(cause: &io::Error, folder: &Path) -> Error {
+fn cannot_create(cause: io::Error, folder: &Path) -> Error {
     let folder = folder.display();
-    match cause.kind() {
+    let error = match cause.kind() {
         io::ErrorKind::NotFound => {
-            Error::failed(format!("the folder {folder} does not exist"), "create it or choose another one")
+            Error::files(format!("the folder {folder} does not exist"), "create it or choose another one")
         }
         io::ErrorKind::NotADirectory => {
-            Error::failed(format!("{folder} is not a folder"), "choose another place for the output")
+            Error::files(format!("{folder} is not a folder"), "choose another place for the output")
         }
-        _ => Error::failed(
-            format!("cannot create a file in the folder {folder}: {}", error::cause(cause)),
+        _ => Error::files(
+            format!("cannot create a file in the folder {folder}: {}", error::cause(&cause)),
             "make it writable or choose another one",
         ),
-    }
+    };
+    error.caused_by(cause)
 }
 
 /// Returns a builder of temporary files with the permissions `mode`, less the umask; the default of `tempfile` is the owner only.
@@ -227,7 +229,7 @@ mod tests {
     }
 
     fn put(path: &Path, text: &str) -> Result<()> {
-        write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, &e)))
+        write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, e)))
     }
 
     #[test]
@@ -251,7 +253,7 @@ mod tests {
         put(&path, "one").unwrap();
         let failed: Result<()> = write_atomically(&path, |file| {
             file.write_all(b"half").unwrap();
-            Err(Error::failed("no", "stop"))
+            Err(Error::input("no", "stop"))
         });
         assert!(failed.is_err());
         assert_eq!(fs::read_to_string(&path).unwrap(), "one");
@@ -264,7 +266,7 @@ mod tests {
         let e = put(&folder.path().join("no/a.txt"), "x").unwrap_err().to_string();
         assert!(e.contains("does not exist"), "{e}");
         let e = put(folder.path(), "x").unwrap_err();
-        assert!(e.to_string().contains("is a folder") && e.exit_code() == 2, "{e}");
+        assert!(e.to_string().contains("is a folder") && e.kind() == error::ErrorKind::Usage, "{e}");
         assert!(put(Path::new(""), "x").is_err());
         assert!(put(&folder.path().join("a.txt/"), "x").unwrap_err().to_string().contains("names no file"));
         fs::write(folder.path().join("file"), "x").unwrap();
@@ -318,7 +320,7 @@ mod tests {
         fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
         for refused in [check(&path), put(&path, "two")] {
             let e = refused.unwrap_err();
-            assert!(e.exit_code() == 2 && e.to_string().contains("write-protected"), "{e}");
+            assert!(e.kind() == error::ErrorKind::Usage && e.to_string().contains("write-protected"), "{e}");
         }
         assert_eq!(fs::read_to_string(&path).unwrap(), "one");
     }
@@ -333,7 +335,7 @@ mod tests {
         let path = folder.path().join("a.txt");
         put(&path, "one").unwrap();
         write_atomically(&path, |file| {
-            file.write_all(b"two").map_err(|e| write_failed(&path, &e))?;
+            file.write_all(b"two").map_err(|e| write_failed(&path, e))?;
             assert_eq!(entries(folder.path()), 1, "the former file alone");
             Ok(())
         })

@@ -178,7 +178,8 @@ impl Brdf for MeanReference<'_> {
             match self.table() {
                 Ok(table) => return Ok(spectral(table, pairs, wavelength, &footprint)),
                 // The direct sum needs no memory.
-                Err(_) => self.too_large = true,
+                Err(e) if e.is_too_large() => self.too_large = true,
+                Err(e) => return Err(e),
             }
         }
         let values = pairs.iter().map(|pair| self.mean.brdf(pair, wavelength, &footprint)).collect();
@@ -202,10 +203,17 @@ impl Brdf for MeanReference<'_> {
     fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
         let illuminant = self.illuminant;
         // Direct sums answer where there is no series of all orders.
-        let table = if self.too_large { None } else { self.table().ok() };
-        let sent = table.and_then(|table| table.sent(light, wavelength, illuminant));
-        self.too_large |= self.table.is_none();
-        Ok(sent)
+        if self.too_large {
+            return Ok(None);
+        }
+        match self.table() {
+            Ok(table) => Ok(table.sent(light, wavelength, illuminant)),
+            Err(e) if e.is_too_large() => {
+                self.too_large = true;
+                Ok(None)
+            }
+            Err(e) => Err(e),
+        }
     }
 
     fn batch(&self) -> usize {

@@ -91,7 +91,7 @@ pub(super) fn clear(folder: &Path) -> Result<Contents> {
     for entry in &entries {
         match fs::remove_file(&entry.path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(output::write_failed(&entry.path, &e));
+                return Err(output::write_failed(&entry.path, e));
             }
             _ => {}
         }
@@ -105,7 +105,7 @@ fn listed(folder: &Path) -> Result<Vec<CacheEntry>> {
         return Ok(vec![]);
     }
     folder::check(folder)?;
-    entries(folder).map_err(|e| output::write_failed(folder, &e))
+    entries(folder).map_err(|e| output::write_failed(folder, e))
 }
 
 /// Removes the least recently used results of `folder` until the remaining ones take at most `most` bytes; `replaced` does not count,

@@ -58,9 +58,9 @@ impl Head {
             payload_bytes: payload,
             header,
         };
-        let cannot = |what: String| Error::failed(what, "report this as a bug of diffract");
-        let header =
-            serde_json::to_vec(&envelope).map_err(|e| cannot(format!("the header is no JSON ({e})")))?;
+        let cannot = |what: String| Error::bug(what);
+        let header = serde_json::to_vec(&envelope)
+            .map_err(|e| cannot(format!("the header is no JSON ({e})")).caused_by(e))?;
         if header.len() as u64 > LARGEST_HEADER {
             return Err(cannot(format!("the header of {} is too long", format.name)));
         }

@@ -124,7 +124,7 @@ impl Store {
         let head = file::Head::new(format, key, header, payload)?;
         let size = head.file_bytes();
         if size > self.limit {
-            return Err(Error::failed(
+            return Err(Error::limit(
                 format!(
                     "{} are more than the cache may hold, {}",
                     memory::in_words(size),
@@ -136,7 +136,7 @@ impl Store {
         folder::prepare(&self.folder)?;
         contents::sweep(&self.folder);
         contents::make_room(&self.folder, self.limit - size, &place);
-        let failed = |e: std::io::Error| output::write_failed(&self.folder, &e);
+        let failed = |e: std::io::Error| output::write_failed(&self.folder, e);
         let mut draft = output::Draft::new(&self.folder, OWNER_ONLY).map_err(failed)?;
         // Lock held while the file is written: a sweep removes only temporary files without a lock.
         let _ = draft.file().try_lock();

@@ -212,7 +212,7 @@ fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
     }
     let PortErrors { relative_l2, own_rms, own_p99 } = PortErrors::RIGHT;
     let [all, each, most] = [relative_l2, own_rms, own_p99].map(percent);
-    Err(Error::failed(
+    Err(Error::input(
         format!("the answers are not those of the table: {found}; {all}, {each} and {most} are allowed"),
         "compare them with the columns table_r, table_g and table_b of conformance.csv row by row",
     )

@@ -42,7 +42,7 @@ mod view;
 mod view_command;
 mod write;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
@@ -119,9 +119,14 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             print(&remedies::in_options(&error));
-            ExitCode::from(error.exit_code())
+            ExitCode::from(exit_code(&error))
         }
     }
+}
+
+/// Returns the exit code of the process after `error`: 2 for wrong usage, 1 for everything else.
+fn exit_code(error: &Error) -> u8 {
+    if error.kind() == ErrorKind::Usage { 2 } else { 1 }
 }
 
 /// Runs a command on a large stack; windows run on the main thread.
@@ -145,7 +150,7 @@ fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T>
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     });
     let done = done.or_else(|| work.map(|work| work()));
-    done.unwrap_or_else(|| Err(Error::failed("a command did not run", "report this as a bug of diffract")))
+    done.unwrap_or_else(|| Err(Error::bug("a command did not run")))
 }
 
 fn run(arguments: Arguments) -> Result<()> {
@@ -187,9 +192,9 @@ fn validation() -> bool {
 fn check_validation(messages: &[String]) -> Result<()> {
     match messages {
         [] => Ok(()),
-        [first, ..] => Err(Error::failed(
-            format!("Vulkan validation has {} message(s), the first: {first}", messages.len()),
-            "report this as a bug of diffract",
-        )),
+        [first, ..] => Err(Error::bug(format!(
+            "Vulkan validation has {} message(s), the first: {first}",
+            messages.len()
+        ))),
     }
 }

@@ -208,7 +208,7 @@ impl MaterialDescription {
         if is_sum && FileSum::new(blank.as_bytes()).blake3 == self.description_blake3 {
             return Ok(());
         }
-        Err(Error::failed(
+        Err(Error::input(
             "its check sum is not that of its text: it was changed or damaged",
             "export the material again",
         ))
@@ -249,7 +249,7 @@ impl MaterialDescription {
         } else {
             return Ok(());
         };
-        Err(Error::failed(
+        Err(Error::input(
             format!("the export does not fit: {differs}"),
             "export the material for this picture",
         ))
@@ -261,11 +261,12 @@ impl MaterialDescription {
     /// Text that is no description, and another version.
     pub fn parse(text: &str) -> Result<Self> {
         let broken = |e: serde_json::Error| {
-            Error::failed(format!("it is no description of a material ({e})"), "export the material again")
+            Error::input(format!("it is no description of a material ({e})"), "export the material again")
+                .caused_by(e)
         };
         let value: Value = serde_json::from_str(text).map_err(broken)?;
         if !is_description(&value) {
-            return Err(Error::failed("it is no description of a material", "give the folder of an export"));
+            return Err(Error::input("it is no description of a material", "give the folder of an export"));
         }
         match value["version"].as_u64() {
             Some(VERSION) => {
@@ -273,7 +274,7 @@ impl MaterialDescription {
                 found.check_sum(text)?;
                 Ok(found)
             }
-            Some(other) => Err(Error::failed(
+            Some(other) => Err(Error::input(
                 format!("it has version {other} of the format, and this program reads version {VERSION}"),
                 if other > VERSION {
                     "read it with a newer program, or export the material again"
@@ -281,7 +282,7 @@ impl MaterialDescription {
                     "export the material again"
                 },
             )),
-            _ => Err(Error::failed(
+            _ => Err(Error::input(
                 "it names no version of the format that is known",
                 "export the material again",
             )),

@@ -103,7 +103,7 @@ pub fn write(
         ],
     );
     if page.len() > MOST_PAGE_BYTES {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!("the page takes {:.1} MB, and 10 MB is the most", page.len() as f64 / 1e6),
             "allow fewer bytes of texels",
         ));

@@ -53,13 +53,14 @@ impl<const N: usize> SpectralTable<N> {
             .from_reader(text.as_bytes());
         for (index, record) in reader.records().enumerate() {
             let refuse = |line: u64, what: &str| {
-                Error::failed(
+                Error::input(
                     format!("line {line}: {what}"),
                     format!("write wavelength in nm and {N} value(s) a line, increasing"),
                 )
             };
-            let record =
-                record.map_err(|e| refuse(e.position().map_or(1, csv::Position::line), &e.to_string()))?;
+            let record = record.map_err(|e| {
+                refuse(e.position().map_or(1, csv::Position::line), &e.to_string()).caused_by(e)
+            })?;
             let cells: Vec<&str> = record.iter().collect();
             // A line of names has no number; a line with some numbers is a damaged row.
             if index == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err())
@@ -83,7 +84,7 @@ impl<const N: usize> SpectralTable<N> {
             table.values.push(values);
         }
         if table.wavelengths.len() < 2 {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "the spectrum has fewer than two rows",
                 "give at least two wavelengths",
             ));
@@ -305,12 +306,12 @@ impl Illuminant {
     pub fn from_text(text: &str) -> Result<Self> {
         let table = SpectralTable::<1>::parse(text)?;
         if table.values.iter().any(|v| v[0] < 0.0) {
-            return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0"));
+            return Err(Error::input("an illuminant's power is negative", "give powers of at least 0"));
         }
         let light = Self::Table(table.resolved_to(RESOLUTION).into());
         let luminance = light.luminance();
         if luminance == f64::INFINITY {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "the illuminant's powers are too large for a number",
                 "scale them down, only their ratios count",
             ));
@@ -318,7 +319,7 @@ impl Illuminant {
         if luminance > 0.0 {
             Ok(light)
         } else {
-            Err(Error::failed("the illuminant has no light in 380–780 nm", "give powers in that range"))
+            Err(Error::input("the illuminant has no light in 380–780 nm", "give powers in that range"))
         }
     }
 

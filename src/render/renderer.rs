@@ -158,7 +158,7 @@ impl Renderer {
         settings: RendererSettings,
     ) -> Result<Self> {
         if objects.is_empty() {
-            return Err(Error::failed("there is no object", "report this as a bug of diffract"));
+            return Err(Error::bug("there is no object"));
         }
         let bind = |of: &'_ ObjectSource| of.source.bind(device, &of.optics);
         let mut sources = Vec::with_capacity(objects.len());

@@ -190,7 +190,7 @@ fn reading_tells_how_far_it_is_and_ends_at_once_when_it_is_cancelled() {
         let calls = Cell::new(0);
         let cancel = |_: &str, _, _| {
             calls.set(calls.get() + 1);
-            if calls.get() < last { Ok(()) } else { Err(Error::failed("cancelled", "try again")) }
+            if calls.get() < last { Ok(()) } else { Err(Error::cancelled()) }
         };
         let e = super::parse(text.as_bytes(), None, &cancel).unwrap_err().to_string();
         assert!(e.starts_with("cancelled"), "{e}");

@@ -48,9 +48,9 @@ impl App {
             .with_title("diffract")
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(1, 1));
-        let opened = events
-            .create_window(attributes)
-            .map_err(|e| Error::failed(format!("the display gives no window ({e})"), Remedy::PictureFile))?;
+        let opened = events.create_window(attributes).map_err(|e| {
+            Error::device(format!("the display gives no window ({e})"), Remedy::PictureFile).caused_by(e)
+        })?;
         let (proxy, instance) = (self.proxy.clone(), &mut self.instance);
         self.window = Some(ViewerWindow::new(&self.start, Arc::new(opened), proxy, instance)?);
         Ok(())

@@ -102,7 +102,7 @@ impl ErrorProbe {
             let stopped = || stopped.load(Ordering::Relaxed);
             let progress = |done: usize, of: usize| {
                 if stopped() {
-                    return Err(Error::failed("the picture has changed", "measure again"));
+                    return Err(Error::cancelled());
                 }
                 reply(Ok(ProbeStatus::Running(done as f32 / of.max(1) as f32)));
                 Ok(())
@@ -113,10 +113,11 @@ impl ErrorProbe {
             }
         };
         std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(
+            Error::memory(
                 format!("the system refuses a thread: {}", error::cause(&e)),
                 "close other programs",
             )
+            .caused_by(e)
         })?;
         Ok(Self { stop })
     }

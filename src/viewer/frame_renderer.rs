@@ -402,7 +402,7 @@ impl FrameRenderer {
         let drawn = FrameRequest { sampling, ..request.clone() };
         paint(&self.device, &mut self.full, &request.full, &drawn, request.size, &mut go_on)?;
         let Some(slot) = &mut self.full else {
-            return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
+            return Err(Error::bug("there is no picture"));
         };
         match job {
             Job::Picture(request) => {
@@ -413,7 +413,7 @@ impl FrameRenderer {
                             queue.give_way();
                             !queue.pending().stop
                         })?
-                        .ok_or_else(|| Error::failed("the window was closed", "save the picture again"))?;
+                        .ok_or_else(|| Error::cancelled())?;
                 }
                 let full = &request.full;
                 let note = || {

@@ -71,7 +71,7 @@ pub fn run(start: Start) -> Result<Vec<String>> {
     check_display(|name| std::env::var_os(name).is_some_and(|v| !v.is_empty()))?;
     let no_display = |e: &dyn std::fmt::Display| {
         let cause = without_source(&e.to_string());
-        Error::failed(format!("the display cannot be opened ({cause})"), Remedy::PictureFile)
+        Error::device(format!("the display cannot be opened ({cause})"), Remedy::PictureFile)
     };
     let events = EventLoop::with_user_event().build().map_err(|e| no_display(&e))?;
     let mut app = app::App::new(start, events.create_proxy());
@@ -97,7 +97,7 @@ fn check_display(named: impl Fn(&str) -> bool) -> Result<()> {
     if anywhere_else || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
         return Ok(());
     }
-    Err(Error::failed(
+    Err(Error::device(
         "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set",
         Remedy::PictureFile,
     ))
@@ -112,7 +112,10 @@ mod tests {
         let e = check_display(|_| false);
         if cfg!(target_os = "linux") {
             let e = e.unwrap_err();
-            assert!(e.exit_code() == 1 && e.remedies() == [Remedy::PictureFile], "{e}");
+            assert!(
+                e.kind() == crate::error::ErrorKind::Device && e.remedies() == [Remedy::PictureFile],
+                "{e}"
+            );
         }
         assert!(check_display(|name| name == "WAYLAND_DISPLAY").is_ok());
     }

@@ -154,10 +154,11 @@ impl Worker {
         };
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(
+            Error::memory(
                 format!("the system refuses a thread: {}", error::cause(&e)),
                 "close other programs",
             )
+            .caused_by(e)
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }
@@ -201,7 +202,7 @@ impl Preparer {
             let role = request.role;
             let progress = |_: &'static str, done: usize, of: usize| {
                 if queue.interrupts(role) {
-                    return Err(Error::failed("a more urgent request waits", "wait for it"));
+                    return Err(Error::cancelled());
                 }
                 reply(WorkerReply::Progress { role, done, of });
                 Ok(())

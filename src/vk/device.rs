@@ -116,7 +116,7 @@ impl Device {
             reason,
             instance,
         };
-        device.allocator = Mutex::new(Some(allocator.map_err(|e| memory_failure("device", &e))?));
+        device.allocator = Mutex::new(Some(allocator.map_err(|e| memory_failure("device", e))?));
         // SAFETY: the device is live; its drop destroys the cache.
         device.pipelines =
             unsafe { device.raw.create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None) }
@@ -223,17 +223,17 @@ impl Device {
         use gpu_allocator::AllocationError::OutOfMemory;
         let take = |left: u64| left.checked_sub(1).or(Some(u64::MAX));
         if self.until_refusal.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take) == Ok(0) {
-            return Err(memory_failure(name, &OutOfMemory));
+            return Err(memory_failure(name, OutOfMemory));
         }
         let mut guard = self.allocator.lock().map_err(|_| poisoned())?;
         let allocator = guard.as_mut().ok_or_else(poisoned)?;
         let scheme = AllocationScheme::GpuAllocatorManaged;
         let request =
             AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
-        let allocation = allocator.allocate(&request).map_err(|e| memory_failure(name, &e))?;
+        let allocation = allocator.allocate(&request).map_err(|e| memory_failure(name, e))?;
         if self.instance.mask().memory.is_some_and(|most| allocator.capacity() > most) {
             let _ = allocator.free(allocation); // allocated above
-            return Err(memory_failure(name, &OutOfMemory));
+            return Err(memory_failure(name, OutOfMemory));
         }
         Ok(allocation)
     }
@@ -285,12 +285,13 @@ impl Drop for Device {
 }
 
 fn poisoned() -> Error {
-    Error::failed("a thread failed while it used the Vulkan device", "start the program again")
+    Error::device("a thread failed while it used the Vulkan device", "start the program again")
 }
 
-fn memory_failure(name: &str, error: &gpu_allocator::AllocationError) -> Error {
-    Error::failed(
+fn memory_failure(name: &str, error: gpu_allocator::AllocationError) -> Error {
+    Error::memory(
         format!("the Vulkan device has no memory for the resource \"{name}\" ({error})"),
         if memory::is_limited() { Remedies::from(super::LIFT_LIMIT) } else { super::LESS_MEMORY.into() },
     )
+    .caused_by(error)
 }

@@ -46,7 +46,7 @@ impl MapFormat {
 /// A file that cannot be written.
 pub fn write_csv(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
     output::write_atomically(path, |file| {
-        csv(file, map, is_spectral).map_err(|e| output::write_failed(path, &e))
+        csv(file, map, is_spectral).map_err(|e| output::write_failed(path, e))
     })
 }
 
@@ -71,7 +71,7 @@ fn csv(file: &mut impl Write, map: &HemisphereMap, is_spectral: bool) -> io::Res
 /// A file that cannot be written.
 pub fn write_npy(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
     output::write_atomically(path, |file| {
-        npy(file, map, is_spectral).map_err(|e| output::write_failed(path, &e))
+        npy(file, map, is_spectral).map_err(|e| output::write_failed(path, e))
     })
 }
 

@@ -143,7 +143,7 @@ impl<'a> TradeSweep<'a> {
     fn add(&mut self, row: Measurement) -> Result<()> {
         self.rows.push(row);
         let folder = &self.arguments.folder;
-        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, e))?;
         write::text(Some(&self.file("trade.csv")), &trade::csv(&self.rows)?)
     }
 
@@ -209,7 +209,7 @@ impl<'a> TradeSweep<'a> {
     fn report(&self, style: &FigureStyle) -> Result<()> {
         if self.rows.is_empty() {
             let why = self.impossible.first().map_or("", |(_, why)| why);
-            return Err(Error::failed(
+            return Err(Error::limit(
                 format!("no setting could be measured: {why}"),
                 "see `diffract trade --help`",
             ));

@@ -204,12 +204,12 @@ pub fn decode_text(bytes: &[u8]) -> String {
 
 /// Returns the error of a file that ends too early.
 pub fn cut_short() -> Error {
-    Error::failed("is cut short", "save or copy the file again")
+    Error::input("is cut short", "save or copy the file again")
 }
 
 /// Returns the error of a file that contradicts itself or its format.
 pub fn damaged(what: impl std::fmt::Display) -> Error {
-    Error::failed(format!("is damaged: {what}"), "save or copy the file again")
+    Error::input(format!("is damaged: {what}"), "save or copy the file again")
 }
 
 #[cfg(test)]

@@ -29,12 +29,12 @@ const WIDE_SAMPLES: u32 = 0x0920_0000;
 /// A header without images; fewer samples than the header promises; force curves.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if bytes.starts_with(FORCE_MAGIC) {
-        return Err(Error::failed("holds force curves and no image", "choose an image file"));
+        return Err(Error::input("holds force curves and no image", "choose an image file"));
     }
     let header = NanoscopeHeader::parse(bytes)?;
     let images = || header.sections.iter().filter(|s| s.is_image());
     if images().next().is_none() {
-        return Err(Error::failed("holds no image", "choose a file with an image in it"));
+        return Err(Error::input("holds no image", "choose a file with an image in it"));
     }
     let channels = images().map(|image| (image.name(), channel(bytes, &header, image)));
     Scan::of_readable("Nanoscope", channels.collect())

@@ -24,7 +24,7 @@ struct SdfHeader {
 impl SdfHeader {
     fn size(&self) -> Result<[usize; 2]> {
         if self.compression != 0 {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "is compressed, in a way that no standard describes",
                 "save it uncompressed",
             ));

@@ -54,7 +54,7 @@ impl Sidecar {
             return Ok(None);
         }
         let file: SidecarFields = toml::from_str(text).map_err(|e| {
-            Error::failed(e.message().to_owned(), "write pixel_size and height, as in \"10nm\"")
+            Error::input(e.message().to_owned(), "write pixel_size and height, as in \"10nm\"").caused_by(e)
         })?;
         Ok(Some(Self {
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,

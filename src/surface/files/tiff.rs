@@ -35,9 +35,9 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if let Some(scan) = park::read(bytes)? {
         return Ok(scan);
     }
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(|e| explain(&e))?;
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(|e| explain(e))?;
     if decoder.find_tag(Tag::Unknown(JPK_WIDTH)).ok().flatten().is_some() {
-        return Err(Error::failed(
+        return Err(Error::input(
             "is a scan of JPK's microscopes, whose channels are not read",
             "export the height as .gsf or .txt with Gwyddion, or as text with JPK's own program",
         ));
@@ -45,13 +45,13 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
     if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(white_is_zero)
     {
-        return Err(Error::failed(
+        return Err(Error::input(
             "counts from white (WhiteIsZero)",
             "save it with black as the lowest value",
         ));
     }
     let more = decoder.more_images();
-    let (columns, rows) = decoder.dimensions().map_err(|e| explain(&e))?;
+    let (columns, rows) = decoder.dimensions().map_err(|e| explain(e))?;
     let size = size(u64::from(columns), u64::from(rows))?;
     let distances = distances(&mut decoder);
     let orientation = orientation(&mut decoder);
@@ -115,20 +115,21 @@ fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
 }
 
 /// Converts the decoder's message into an error of this program.
-fn explain(cause: &TiffError) -> Error {
-    match cause {
+fn explain(cause: TiffError) -> Error {
+    let error = match &cause {
         TiffError::UnsupportedError(_) => {
-            Error::failed(format!("cannot be used: {cause}"), "export it as grey TIFF without compression")
+            Error::input(format!("cannot be used: {cause}"), "export it as grey TIFF without compression")
         }
         TiffError::LimitsExceeded => {
-            Error::failed("takes more memory to decode than its pixels explain", "save the image again")
+            Error::input("takes more memory to decode than its pixels explain", "save the image again")
         }
-        TiffError::IoError(e) => Error::failed(
+        TiffError::IoError(e) => Error::input(
             format!("is cut short or cannot be read: {}", error::cause(e)),
             "save or copy the image again",
         ),
-        _ => damaged(cause),
-    }
+        _ => damaged(&cause),
+    };
+    error.caused_by(cause)
 }
 
 /// Decodes all samples, integers as shares of their largest code. Returns that code as well; infinity for floating-point numbers.
@@ -142,7 +143,7 @@ fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> 
     limits.decoding_buffer_size = count * WIDEST;
     limits.intermediate_buffer_size = count * WIDEST + length;
     limits.ifd_value_size = length;
-    let samples = decoder.with_limits(limits).read_image().map_err(|e| explain(&e))?;
+    let samples = decoder.with_limits(limits).read_image().map_err(|e| explain(e))?;
     let all = |samples: Vec<f64>, largest: f64| {
         let scaled = |x: f64| if largest.is_finite() { x / largest } else { x };
         (samples.into_iter().map(scaled).collect::<Vec<f64>>(), largest)
@@ -251,7 +252,7 @@ pub fn write(scan: &Topography, notes: &Notes, file: &mut (impl Write + Seek)) -
     };
     write().map_err(|e: TiffError| {
         let cause = if let TiffError::IoError(e) = &e { error::cause(e) } else { e.to_string() };
-        Error::failed(format!("cannot write: {cause}"), "check the free space")
+        Error::files(format!("cannot write: {cause}"), "check the free space").caused_by(e)
     })
 }
 

@@ -64,10 +64,11 @@ impl DirectionReference {
             }
         };
         std::thread::Builder::new().name("inspector".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(
+            Error::memory(
                 format!("the system refuses a thread: {}", error::cause(&e)),
                 "close other programs",
             )
+            .caused_by(e)
         })?;
         Ok(Self { readings, stop })
     }
@@ -113,7 +114,7 @@ fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) ->
     let Prepared { field, number, .. } = &*prepared;
     let progress = |done: usize, of: usize| {
         if queue.is_stopped() {
-            return Err(Error::failed("the inspector was closed", "open it again"));
+            return Err(Error::cancelled());
         }
         reply(first.number, Ok(Answer::Preparing(done as f32 / of.max(1) as f32)));
         Ok(())
