@@ -34,6 +34,7 @@ pub fn write_atomically<T>(
     drop(writer);
     draft.file().sync_all().map_err(|e| write_failed(path, e))?;
     if let Ok(former) = fs::metadata(&target) {
+        // otherwise there is no former file
         pass_on(&former, draft.file()).map_err(|e| write_failed(path, e))?;
     }
     draft.persist(&target).map_err(|e| write_failed(path, e))?;
@@ -136,10 +137,10 @@ fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
         let written = file.metadata()?;
         // Each separately: the group may be allowed if the owner is not.
         if written.gid() != former.gid() {
-            let _ = fchown(file, None, Some(former.gid()));
+            let _ = fchown(file, None, Some(former.gid())); // refused: the group of this process stays
         }
         if written.uid() != former.uid() {
-            let _ = fchown(file, Some(former.uid()), None);
+            let _ = fchown(file, Some(former.uid()), None); // refused: this user stays the owner
         }
     }
     file.set_permissions(former.permissions())
@@ -177,7 +178,7 @@ fn resolve(path: &Path) -> Result<PathBuf> {
             "give the output another name, or allow writing to the file",
         )),
         Ok(_) => path.canonicalize().map_err(|e| write_failed(path, e)),
-        Err(_) => Ok(path.to_path_buf()),
+        Err(_) => Ok(path.to_path_buf()), // there is nothing to replace; creating the file tells what else is wrong
     }
 }
 

@@ -89,8 +89,7 @@ pub(super) fn write(file: &mut impl Write, head: &Head, payload: &[&[u8]]) -> io
 pub fn seal(format: &EntryFormat, key: &Key, header: &serde_json::Value, payload: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     if let Ok(head) = Head::new(format, key, header, &[payload]) {
-        // Writing to memory does not fail.
-        let _ = write(&mut file, &head, &[payload]);
+        let _ = write(&mut file, &head, &[payload]); // writing to memory does not fail
     }
     file
 }

@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let bar = Progress::new("orders", "a part of the surface (--crop), or a larger --tolerance,");
     let material = ExportedMaterial::new(&field, &settings, &|what, done, of| bar.show(what, done, of))?;
     drop(bar);
-    let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command());
+    let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command())?;
     if let Some(folder) = &arguments.output {
         write_export(folder, &material, &mut description)?;
     }

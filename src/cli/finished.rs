@@ -125,7 +125,7 @@ fn hash(text: &str, size: [u32; 2], pixels: &[u8]) -> String {
 fn is_whole(path: &Path) -> bool {
     let Some(said) = picture_file::text_of(path) else { return false };
     let Some((text, named)) = said.rsplit_once(&format!("\n{SEAL}: ")) else { return false };
-    let Ok((size, pixels)) = decoded(path) else { return false };
+    let Ok((size, pixels)) = decoded(path) else { return false }; // a damaged picture is drawn again
     hash(text, size, &pixels) == named
 }
 

@@ -44,7 +44,8 @@ fn write(name: &str, words: &[String]) -> Result<()> {
         std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, e))?;
     }
     output::write_atomically(&path, |file| {
-        let text = serde_json::to_string(words).unwrap_or_default();
+        let no_json = |e| Error::bug(format!("words are no JSON ({e})")).caused_by(e);
+        let text = serde_json::to_string(words).map_err(no_json)?;
         file.write_all(text.as_bytes()).map_err(|e| output::write_failed(&path, e))
     })
 }
@@ -52,6 +53,7 @@ fn write(name: &str, words: &[String]) -> Result<()> {
 /// Returns the recently opened files, the newest first. A damaged list counts as empty and is replaced at the next change.
 pub fn recent() -> Vec<String> {
     let text = path(RECENT).and_then(|path| input::read_text(&path, "a list of files").ok());
+    // No list, or a damaged one.
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 

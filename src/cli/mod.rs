@@ -146,7 +146,7 @@ fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T>
     let done = std::thread::scope(|scope| {
         let work = &mut work;
         let thread = std::thread::Builder::new().name("main".to_owned()).stack_size(BYTES);
-        let thread = thread.spawn_scoped(scope, move || work.take().map(|work| work())).ok()?;
+        let thread = thread.spawn_scoped(scope, move || work.take().map(|work| work())).ok()?; // no thread: see below
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     });
     let done = done.or_else(|| work.map(|work| work()));

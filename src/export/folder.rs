@@ -137,7 +137,7 @@ fn give_name(draft: tempfile::TempDir, folder: &Path) -> Result<()> {
     } else {
         fs::rename(draft.path(), folder).map_err(failed)?;
     }
-    // The folder has another name now, which is not to be removed.
+    // The folder has another name now, which is not to be removed; its former path is of no use.
     let _ = draft.keep();
     Ok(())
 }
@@ -248,7 +248,7 @@ mod tests {
         let (conformance, table) = small_table();
         let material = ExportedMaterial { table, conformance };
         let mut description =
-            MaterialDescription::new(&small_field(), &small_settings(), &material, String::new());
+            MaterialDescription::new(&small_field(), &small_settings(), &material, String::new()).unwrap();
         write(folder, &material, &mut description)
     }
 

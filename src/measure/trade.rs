@@ -242,7 +242,7 @@ pub fn from_csv(text: &str, frame: &str) -> Vec<Measurement> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     reader
         .deserialize()
-        .filter_map(|row: std::result::Result<Measurement, _>| row.ok())
+        .filter_map(|row: std::result::Result<Measurement, _>| row.ok()) // damaged, or of an earlier version: measured again
         .filter(|row| row.frame == frame && row.is_sound())
         .collect()
 }

@@ -110,7 +110,7 @@ impl Material {
         check_columns(text)?;
         let of_three = SpectralTable::<2>::parse(text);
         let table = of_three.or_else(|e| {
-            let of_two = SpectralTable::<1>::parse(text).map_err(|_| e)?;
+            let of_two = SpectralTable::<1>::parse(text).map_err(|_| e)?; // neither three columns nor two
             Ok::<_, Error>(of_two.map(|[n]| [n, 0.0]))
         })?;
         let [first, last] = table.ends();

@@ -413,7 +413,7 @@ impl FrameRenderer {
                             queue.give_way();
                             !queue.pending().stop
                         })?
-                        .ok_or_else(|| Error::cancelled())?;
+                        .ok_or_else(Error::cancelled)?;
                 }
                 let full = &request.full;
                 let note = || {

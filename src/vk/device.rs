@@ -13,7 +13,7 @@ use gpu_allocator::vulkan::{
 };
 use std::ffi::c_char;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Sizes of the first and the largest block of device memory, and of host memory \[bytes\]. Each block is twice the
 /// previous one, so that small pictures take little memory and large ones few blocks.
@@ -189,12 +189,12 @@ impl Device {
     /// Returns the memory used by the resources of this program \[bytes\].
     pub fn memory_in_use(&self) -> u64 {
         let report = |a: &Allocator| a.generate_report().total_allocated_bytes;
-        self.allocator.lock().ok().and_then(|guard| guard.as_ref().map(report)).unwrap_or(0)
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, report)
     }
 
     /// Waits until the queue is idle.
     pub fn wait_idle(&self) {
-        let Ok(queue) = self.queue.lock() else { return };
+        let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner); // a handle, which is always whole
         // SAFETY: the lock gives the external synchronization that a queue needs. A lost device is idle, too.
         let _ = unsafe { self.raw.queue_wait_idle(*queue) };
     }
@@ -262,7 +262,7 @@ impl Device {
     /// Sets the debug name of a handle.
     pub fn name(&self, handle: impl vk::Handle, name: &str) {
         let Some(functions) = &self.names else { return };
-        let Ok(name) = std::ffi::CString::new(name) else { return };
+        let Ok(name) = std::ffi::CString::new(name) else { return }; // names are literals; one with a NUL is left out
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
         // SAFETY: the handle is a live child of this device. A failure to set the name is harmless.
         let _ = unsafe { functions.set_debug_utils_object_name(&info) };
@@ -274,7 +274,7 @@ impl Drop for Device {
         // SAFETY: children hold an `Arc` of this device, so none is left; waiting ends pending work of the queue, and
         // the allocator's blocks are freed before the device.
         unsafe {
-            let _ = self.raw.device_wait_idle();
+            let _ = self.raw.device_wait_idle(); // a lost device is idle, too
             if let Ok(mut allocator) = self.allocator.lock() {
                 allocator.take();
             }

@@ -6,7 +6,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use ash::{ext, vk};
 use std::ffi::{CStr, c_char, c_void};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -24,13 +24,15 @@ pub struct Messages(Mutex<Vec<String>>);
 impl Messages {
     /// Returns all messages so far.
     pub fn all(&self) -> Vec<String> {
-        self.0.lock().map(|list| list.clone()).unwrap_or_default()
+        self.list().clone()
+    }
+
+    fn list(&self) -> MutexGuard<'_, Vec<String>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner) // a list that is cloned or pushed to is always whole
     }
 
     fn push(&self, message: String) {
-        if let Ok(mut list) = self.0.lock() {
-            list.push(message);
-        }
+        self.list().push(message);
     }
 }
 

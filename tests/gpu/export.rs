@@ -80,7 +80,7 @@ fn exported(folder: &Path) {
         most_bytes: None,
     };
     let material = ExportedMaterial::new(&field, &settings, &|_, _, _| Ok(())).unwrap();
-    let mut description = MaterialDescription::new(&field, &settings, &material, String::new());
+    let mut description = MaterialDescription::new(&field, &settings, &material, String::new()).unwrap();
     write(folder, &material, &mut description).unwrap();
 }
 

@@ -29,6 +29,7 @@ impl MapFormat {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("csv") => Ok(Self::Csv),
             Some("npy") => Ok(Self::Npy),
+            // That error names fewer formats.
             _ => PictureFormat::of(path).map(Self::Picture).map_err(|_| {
                 Error::usage(
                     format!("{}: the format of the map is not clear", path.display()),

@@ -18,7 +18,7 @@ use crate::measure::trade::{self, GRATING, Measurement, THESIS};
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::scene::Light;
-use crate::{output, units};
+use crate::{input, output, units};
 use baselines::Baselines;
 use clap::{Args, Parser};
 use std::ffi::OsString;
@@ -85,8 +85,6 @@ struct SettingLine {
 const FILES: [&str; 4] = ["trade.csv", "trade.md", "trade.svg", "trade.png"];
 /// Timing of each setting.
 const LIMITS: TimingLimits = TimingLimits { frames: 9, seconds: 3.0 };
-/// Largest size of a CSV that is read back \[bytes\].
-const LARGEST_CSV: u64 = 16 << 20;
 
 /// Measures the settings and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -130,7 +128,7 @@ impl<'a> TradeSweep<'a> {
                 .check()?;
         }
         let frame = frame_key(arguments, &scene);
-        let rows = read_rows(&arguments.folder.join("trade.csv"), &frame);
+        let rows = read_rows(&arguments.folder.join("trade.csv"), &frame)?;
         let (references, impossible) = (References::default(), Vec::new());
         Ok(Self { arguments, scene, frame, references, rows, impossible })
     }
@@ -317,12 +315,14 @@ fn frame_key(arguments: &Arguments, scene: &BenchmarkScene) -> String {
     hasher.finalize().to_hex()[..16].to_owned()
 }
 
-fn read_rows(path: &Path, frame: &str) -> Vec<Measurement> {
-    let small = std::fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST_CSV);
-    let text = if small { std::fs::read_to_string(path).unwrap_or_default() } else { String::new() };
-    let rows = trade::from_csv(&text, frame);
+/// Reads the measurements of `frame` from the file `path`; none if there is no such file.
+fn read_rows(path: &Path, frame: &str) -> Result<Vec<Measurement>> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let rows = trade::from_csv(&input::read_text(path, "another folder, or remove this file")?, frame);
     if !rows.is_empty() {
         say(&format_args!("{} settings are taken from {}", rows.len(), path.display()));
     }
-    rows
+    Ok(rows)
 }

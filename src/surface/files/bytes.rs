@@ -198,6 +198,7 @@ pub fn text(field: &[u8]) -> String {
 pub fn decode_text(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
+        // No UTF-8: Latin-1.
         Err(_) => bytes.iter().map(|b| char::from(*b)).collect(),
     }
 }

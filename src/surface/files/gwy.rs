@@ -109,6 +109,7 @@ fn record(meta: &GwyObject) -> PreparationRecord {
 /// Returns the text of the component `name`; empty if there is none, or if the object is damaged.
 fn text_in(object: &GwyObject, name: &str) -> String {
     let mut found = String::new();
+    // A damaged object has no text; its heights are read with errors.
     let _ = components(object.body, |key, value| match value {
         GwyValue::Text(text) if key == name => found = decode_text(text),
         _ => {}

@@ -109,14 +109,13 @@ pub fn is_tiff(bytes: &[u8]) -> bool {
 fn decode(bytes: &[u8]) -> Result<(ImageFormat, DynamicImage)> {
     let reader = Cursor::new(bytes);
     if is_tiff(bytes) {
-        let decoder = codecs::tiff::TiffDecoder::new(reader).map_err(|e| explain(e))?;
+        let decoder = codecs::tiff::TiffDecoder::new(reader).map_err(explain)?;
         return Ok((ImageFormat::Tiff, decode_with(decoder)?));
     }
     if !bytes.starts_with(PNG_MAGIC) {
         return Err(Error::input("is neither a PNG nor a TIFF image", EXPORT_GREY));
     }
-    let decoder =
-        codecs::png::PngDecoder::with_limits(reader, limits(DECODER_ROOM)).map_err(|e| explain(e))?;
+    let decoder = codecs::png::PngDecoder::with_limits(reader, limits(DECODER_ROOM)).map_err(explain)?;
     Ok((ImageFormat::Png, decode_with(decoder)?))
 }
 
@@ -134,10 +133,10 @@ fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
     let decoded = decoder.total_bytes();
     let heights = u64::from(columns) * u64::from(rows) * size_of::<f64>() as u64;
     memory::ensure_room(decoded.saturating_add(heights), &format!("an image of {columns} x {rows} pixels"))?;
-    let orientation = decoder.orientation().map_err(|e| explain(e))?;
+    let orientation = decoder.orientation().map_err(explain)?;
     // Decoders count the picture's buffer too, twice if they convert it.
-    decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(|e| explain(e))?;
-    let mut image = DynamicImage::from_decoder(decoder).map_err(|e| explain(e))?;
+    decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(explain)?;
+    let mut image = DynamicImage::from_decoder(decoder).map_err(explain)?;
     image.apply_orientation(orientation);
     Ok(image)
 }

@@ -64,7 +64,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 
 /// Returns the grid of points that a table of three columns may be, one at every node. No matrix of heights is such a grid by chance.
 fn points(table: &TextTable) -> Option<Scan<'static>> {
-    let mut scan = xyz::grid(table).ok()?;
+    let mut scan = xyz::grid(table).ok()?; // no grid: a matrix of three columns
     let [columns, rows] = scan.channels.first()?.size;
     if columns < 2 || rows < 2 || columns * rows * 3 != table.numbers.len() {
         return None;

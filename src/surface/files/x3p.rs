@@ -34,7 +34,7 @@ const MAIN: &str = "main.xml";
 /// # Errors
 /// A zip of something else; a description without sizes; data of another size than the description says.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| unzip(e))?;
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(unzip)?;
     let main = main_name(&archive)?;
     let folder = main[..main.len() - MAIN.len()].to_owned();
     let xml = decode_text(&member(&mut archive, &main, MAX_TEXT)?);
@@ -237,7 +237,7 @@ fn listed(root: Node, header: &X3pHeader, count: usize) -> Result<Vec<f64>> {
         let last = text.rsplit(';').next().unwrap_or_default().trim();
         samples.push(match last.parse::<f64>() {
             Ok(x) => x * header.scale[0] + header.scale[1],
-            Err(_) if last.is_empty() => f64::NAN,
+            Err(_) if last.is_empty() => f64::NAN, // a sample that was not measured
             Err(_) => return Err(damaged(format!("`{last}` is no height"))),
         });
     }
