@@ -13,10 +13,10 @@ fn main() -> Result<()> {
     // Light of a coherence length of 20 µm; the window's standard deviation is a quarter of it.
     // Series and table both err: half of the tolerance for the series leaves most of it to the table.
     let settings = PowerSettings::new(20.0 / 4.0, Beyond::Copies, 0.5 * TOLERANCE);
-    // Both steps tell how far they are. An error from there would end them.
-    let progress = |_done: usize, _of: usize| Ok(());
-    let series = OrderSeries::new(&field, &settings, &progress)?;
-    let table = bake(&series, &TableSettings::new(Illuminant::D65, TOLERANCE), &progress)?;
+    // A task may report both steps, and cancel them.
+    let task = Task::silent();
+    let series = OrderSeries::new(&field, &settings, &task)?;
+    let table = bake(&series, &TableSettings::new(Illuminant::D65, TOLERANCE), &task)?;
     println!("a table of {:.1} MiB", table.bytes() as f64 / f64::from(1 << 20));
 
     // X, Y, Z of BRDF times cosine, for light 30° from the normal and viewers on the other side.

@@ -13,7 +13,7 @@ fn main() -> Result<()> {
     let mut settings = PictureSettings::new([320, 240]);
     // The relative error that is accepted. A fifth of it takes five times as long, once: what is computed stays in the cache.
     settings.source.optics.tolerance = 5e-2;
-    let picture = setup::picture(&device, &scene, &field, &settings)?;
+    let picture = setup::picture(&device, &scene, &field, &settings, &Task::silent())?;
     // .png is what a display shows, .exr linear radiance.
     picture_file::save(file, &picture)
 }

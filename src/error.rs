@@ -15,7 +15,7 @@ pub enum ErrorKind {
     Input,
     /// The request is sound and beyond a limit of the method: of its tolerance, its terms, its wavelengths, or the size of its result.
     Limit,
-    /// The caller stopped the work.
+    /// Whoever waited for the work cancelled it.
     Cancelled,
     /// The system refuses access to a file, a folder or an output stream.
     Files,
@@ -206,7 +206,7 @@ impl Error {
         Self::new(ErrorKind::Limit, what, remedies)
     }
 
-    /// Returns the error with which a progress callback stops the work. It has no remedy.
+    /// Returns the error of work that was cancelled. It has no remedy.
     pub fn cancelled() -> Self {
         Self { kind: ErrorKind::Cancelled, what: "cancelled".to_owned(), remedies: Vec::new(), source: None }
     }
@@ -275,7 +275,7 @@ impl Error {
         &self.remedies
     }
 
-    /// Returns true if the caller stopped the work.
+    /// Returns true if the work was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.kind == ErrorKind::Cancelled
     }

@@ -39,6 +39,7 @@ pub mod setup;
 pub mod spectra;
 pub mod surface;
 pub mod table;
+pub mod task;
 pub mod tolerance;
 pub mod units;
 #[cfg(feature = "viewer")]

@@ -27,6 +27,7 @@ pub use crate::surface::HeightField;
 pub use crate::surface::files::ReadSettings;
 pub use crate::surface::synth::{self, Spec, SurfaceKind};
 pub use crate::table::{ColorTable, TableReader, TableSettings, bake};
+pub use crate::task::Task;
 
 #[cfg(feature = "vulkan")]
 pub use crate::{

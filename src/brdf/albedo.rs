@@ -4,17 +4,19 @@ use crate::error::Result;
 use crate::optics::colour_excess::ColourWeights;
 use crate::optics::energy::{DirectionGrid, EnergyLimit};
 use crate::optics::geometry::Pair;
-use crate::optics::nufft::Progress;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::OrderSeries;
+use crate::task::Task;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
+/// Name of the work in reports of progress.
+const ENERGY: &str = "energy";
 /// Orders of a surface, or groups of neighbouring ones, with their powers as series in z, and the reflectance of the surface.
 pub struct DirectionalAlbedo {
     reflectance: Reflectance,
@@ -186,21 +188,21 @@ impl DirectionalAlbedo {
         })
     }
 
-    /// Makes the [`Self::table`] if there is none yet; `progress` is told the layers done and in total.
+    /// Makes the [`Self::table`] if there is none yet; `task` is told of each layer.
     ///
     /// # Errors
-    /// Fails with the error of `progress`.
-    pub fn make_table(&self, progress: Progress<'_>) -> Result<()> {
+    /// Fails if the task is cancelled.
+    pub fn make_table(&self, task: &Task) -> Result<()> {
         if self.table.get().is_some() {
             return Ok(());
         }
         let coarse = self.coarse.as_deref().unwrap_or(self);
         let mut layers = Vec::with_capacity(ColourWeights::WAVENUMBERS);
         for layer in 0..ColourWeights::WAVENUMBERS {
-            progress(layer, ColourWeights::WAVENUMBERS)?;
+            task.report(ENERGY, layer, ColourWeights::WAVENUMBERS)?;
             layers.push(ExcessTable::layer(coarse, layer));
         }
-        progress(layers.len(), layers.len())?;
+        task.report(ENERGY, layers.len(), layers.len())?;
         // Another thread may have made the same table in the meantime.
         self.table.get_or_init(|| ExcessTable { layers });
         Ok(())

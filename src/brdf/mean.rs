@@ -15,9 +15,9 @@ use std::f64::consts::PI;
 
 /// Mean response of a surface.
 #[derive(Clone, Debug)]
-pub struct MeanBrdf<'a> {
+pub struct MeanBrdf {
     /// Height field.
-    pub field: &'a HeightField,
+    pub field: HeightField,
     /// Standard deviation of the coherence window \[µm\], a quarter of the coherence length.
     pub sigma: f64,
     /// Continuation of the surface beyond the patch.
@@ -26,14 +26,17 @@ pub struct MeanBrdf<'a> {
     pub reflectance: Reflectance,
 }
 
-impl<'a> MeanBrdf<'a> {
+impl MeanBrdf {
     /// Returns the mean of copies of `field` with this `reflectance` (a number is a refractive index), in sunlight.
-    pub fn in_sunlight(field: &'a HeightField, reflectance: impl Into<Reflectance>) -> Self {
-        Self { field, sigma: SUNLIGHT_LENGTH / 4.0, beyond: Beyond::Copies, reflectance: reflectance.into() }
+    pub fn in_sunlight(field: &HeightField, reflectance: impl Into<Reflectance>) -> Self {
+        Self {
+            field: field.clone(),
+            sigma: SUNLIGHT_LENGTH / 4.0,
+            beyond: Beyond::Copies,
+            reflectance: reflectance.into(),
+        }
     }
-}
 
-impl MeanBrdf<'_> {
     /// Returns true if the samples resolve the frequency `f` \[µm⁻¹\]: beyond 1/(2dx) the response is 0.
     pub(super) fn holds(&self, f: DVec2) -> bool {
         let [dx, dy] = self.field.pixel_size();
@@ -81,7 +84,7 @@ impl MeanBrdf<'_> {
 
     /// Returns |c_0|², and |c_m|² for m in `columns` × `rows`, row by row, each a plain sum over the samples.
     fn order_powers(&self, z: f64, columns: &[i64], rows: &[i64]) -> (f64, Vec<f64>) {
-        let field = self.field;
+        let field = &self.field;
         let (low, high) = field.range();
         let middle = 0.5 * (low + high);
         let samples = [field.columns(), field.rows()];
@@ -174,8 +177,13 @@ mod tests {
     fn the_mean_does_not_depend_on_where_the_patch_begins() {
         let field = rough();
         let moved = field.moved(7, 3);
-        let of = |field| {
-            let mean = MeanBrdf { field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
+        let of = |field: &HeightField| {
+            let mean = MeanBrdf {
+                field: field.clone(),
+                sigma: 0.75,
+                beyond: Beyond::Copies,
+                reflectance: 1.5.into(),
+            };
             DIRECTIONS.map(|d| mean.brdf(&pair(d), 0.5, &Covariance::default()))
         };
         for (a, b) in of(&field).into_iter().zip(of(&moved)) {
@@ -186,7 +194,8 @@ mod tests {
     #[test]
     fn a_footprint_is_the_average_over_its_directions() {
         let field = rough();
-        let mean = MeanBrdf { field: &field, sigma: 1.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
+        let mean =
+            MeanBrdf { field: field.clone(), sigma: 1.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
         let footprint = Covariance { uu: 9e-4, uv: 2e-4, vv: 4e-4 };
         let uvw = DVec3::new(0.3, -0.2, -1.6);
         // A grid of directions with the weights of the normal distribution.
@@ -210,7 +219,8 @@ mod tests {
     fn the_mean_over_all_windows_is_what_many_windows_tend_to() {
         let field = rough();
         let coherence = Coherence::Gaussian { length: 3.0 };
-        let mean = MeanBrdf { field: &field, sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
+        let mean =
+            MeanBrdf { field: field.clone(), sigma: 0.75, beyond: Beyond::Copies, reflectance: 1.5.into() };
         for directions in DIRECTIONS {
             let pair = pair(directions);
             let exact = mean.brdf(&pair, 0.55, &Covariance::default());

@@ -3,75 +3,66 @@
 use super::albedo::Decimation;
 use super::mean::MeanBrdf;
 use super::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
-use super::{Brdf, Progress, without_cosine};
-use crate::error::{Remedy, Result};
+use super::{Brdf, without_cosine};
+use crate::error::{Error, Remedy, Result};
 use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
+use crate::task::Task;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pairs evaluated between two steps of a progress bar.
 const AT_ONCE: usize = 4096;
 
 /// Mean from the series of the orders, to a tolerance. A value does not depend on other queries.
-pub struct MeanFromOrders<'a> {
-    mean: MeanBrdf<'a>,
-    illuminant: &'a Illuminant,
+pub struct MeanFromOrders {
+    mean: MeanBrdf,
+    illuminant: Illuminant,
     sampling: ColourSampling,
     footprint: Covariance,
-    // Series for wavelengths from SHORTEST/2ⁿ, with n, made on first use.
-    tables: Vec<(u32, TabulatedMean<'a>)>,
-    progress: &'a Progress<'a>,
+    // Series for wavelengths from SHORTEST/2ⁿ by n, made on first use.
+    tables: Mutex<BTreeMap<u32, Arc<TabulatedMean>>>,
 }
 
-impl<'a> MeanFromOrders<'a> {
+impl MeanFromOrders {
     /// Prepares the mean `mean`, with colours under `illuminant` within the relative error `tolerance`.
-    pub fn new(mean: MeanBrdf<'a>, illuminant: &'a Illuminant, tolerance: f64) -> Self {
+    pub fn new(mean: MeanBrdf, illuminant: Illuminant, tolerance: f64) -> Self {
         Self {
             mean,
             illuminant,
             sampling: ColourSampling::within(tolerance),
             footprint: Covariance::default(),
-            tables: Vec::new(),
-            progress: &|_, _, _| Ok(()),
+            tables: Mutex::default(),
         }
     }
 
-    /// Returns the same mean, which tells `progress` about the series that it makes.
-    pub fn telling(self, progress: &'a Progress<'a>) -> Self {
-        Self { progress, ..self }
-    }
-
     /// Returns the series for `wavelength` \[µm\]: for all visible light, or for shorter wavelengths by octaves.
-    fn table(&mut self, wavelength: f64) -> Result<&TabulatedMean<'a>> {
-        let progress = self.progress;
+    fn table(&self, wavelength: f64, task: &Task) -> Result<Arc<TabulatedMean>> {
         let octave = (SHORTEST / wavelength).log2().ceil().max(0.0) as u32;
-        let known = self.tables.iter().position(|(known, _)| *known == octave);
-        let place = match known {
-            Some(place) => place,
-            None => {
-                let shortest = SHORTEST * 0.5f64.powi(octave as i32);
-                let told = |done, of| progress("orders", done, of);
-                let table = TabulatedMean::with_sampling(self.mean.clone(), shortest, self.sampling, &told)?
-                    .limited(Decimation::Coarse);
-                self.tables.push((octave, table));
-                self.tables.len() - 1
-            }
-        };
-        Ok(&self.tables[place].1)
+        // Whoever else needs a series waits for it here.
+        let mut tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(table) = tables.get(&octave) {
+            return Ok(Arc::clone(table));
+        }
+        let shortest = SHORTEST * 0.5f64.powi(octave as i32);
+        let table = TabulatedMean::with_sampling(self.mean.clone(), shortest, self.sampling, task)?;
+        let table = Arc::new(table.limited(Decimation::Coarse));
+        tables.insert(octave, Arc::clone(&table));
+        Ok(table)
     }
 }
 
-impl Brdf for MeanFromOrders<'_> {
-    fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
-        let footprint = self.footprint;
-        Ok(spectral(self.table(wavelength)?, pairs, wavelength, &footprint))
+impl Brdf for MeanFromOrders {
+    fn spectral(&self, pairs: &[Pair], wavelength: f64, task: &Task) -> Result<Vec<f64>> {
+        spectral(&*self.table(wavelength, task)?, pairs, wavelength, &self.footprint, task)
     }
 
-    fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
-        let (illuminant, footprint, progress) = (self.illuminant, self.footprint, self.progress);
-        xyz(self.table(SHORTEST)?, pairs, illuminant, &footprint, progress)
+    fn xyz(&self, pairs: &[Pair], task: &Task) -> Result<Vec<DVec3>> {
+        xyz(&*self.table(SHORTEST, task)?, pairs, &self.illuminant, &self.footprint, task)
     }
 
     fn average_over(&mut self, deviation: f64) -> bool {
@@ -79,9 +70,9 @@ impl Brdf for MeanFromOrders<'_> {
         true
     }
 
-    fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
-        let illuminant = self.illuminant;
-        Ok(self.table(wavelength.unwrap_or(SHORTEST))?.sent(light, wavelength, illuminant))
+    fn albedo(&self, light: DVec3, wavelength: Option<f64>, task: &Task) -> Result<Option<f64>> {
+        let table = self.table(wavelength.unwrap_or(SHORTEST), task)?;
+        Ok(table.sent(light, wavelength, &self.illuminant))
     }
 
     fn batch(&self) -> usize {
@@ -89,16 +80,23 @@ impl Brdf for MeanFromOrders<'_> {
     }
 }
 
-fn spectral(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64, footprint: &Covariance) -> Vec<f64> {
+fn spectral(
+    table: &TabulatedMean,
+    pairs: &[Pair],
+    wavelength: f64,
+    footprint: &Covariance,
+    task: &Task,
+) -> Result<Vec<f64>> {
     let one = |pair: &Pair| {
+        task.check()?;
         let weighted = table.unlimited(pair, wavelength, footprint);
-        without_cosine(pair, DVec3::splat(weighted)).x
+        Ok(without_cosine(pair, DVec3::splat(weighted)).x)
     };
-    limited(table, pairs, wavelength, pairs.par_iter().map(one).collect())
+    Ok(limited(table, pairs, wavelength, pairs.par_iter().map(one).collect::<Result<_>>()?))
 }
 
 /// Returns the `values` of `pairs` within the limit of energy of `table`.
-fn limited(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64, values: Vec<f64>) -> Vec<f64> {
+fn limited(table: &TabulatedMean, pairs: &[Pair], wavelength: f64, values: Vec<f64>) -> Vec<f64> {
     match table.limit() {
         Some(limit) => {
             values.iter().zip(limit.limits(pairs, wavelength)).map(|(f, limit)| f / limit).collect()
@@ -108,91 +106,98 @@ fn limited(table: &TabulatedMean<'_>, pairs: &[Pair], wavelength: f64, values: V
 }
 
 fn xyz(
-    table: &TabulatedMean<'_>,
+    table: &TabulatedMean,
     pairs: &[Pair],
     illuminant: &Illuminant,
     footprint: &Covariance,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<Vec<DVec3>> {
-    table.prepare_colours(&|done, of| progress("energy", done, of))?;
+    table.prepare_colours(task)?;
     let asked: Vec<_> = pairs.iter().map(|pair| (*pair, *footprint)).collect();
-    let weighted = table.xyz(illuminant, &asked, SummedOrders::All, &|_, _| Ok(()))?;
+    let weighted = table.xyz(illuminant, &asked, SummedOrders::All, task)?;
     Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
 }
 
 /// F64 reference of the mean: a direct sum for the first few single wavelengths; the series of all orders for further
 /// ones, and for colours.
-pub struct MeanReference<'a> {
-    mean: MeanBrdf<'a>,
-    illuminant: &'a Illuminant,
+pub struct MeanReference {
+    mean: MeanBrdf,
+    illuminant: Illuminant,
     shortest: f64,
     footprint: Covariance,
-    answered: usize,
-    table: Option<TabulatedMean<'a>>,
-    too_large: bool,
-    progress: &'a Progress<'a>,
+    answered: AtomicUsize,
+    // Made on first use.
+    table: Mutex<Option<Arc<TabulatedMean>>>,
+    too_large: AtomicBool,
 }
 
 /// Number of direct sums that take as long as the table of all orders.
 const WORTH_A_TABLE: usize = 24;
 
-impl<'a> MeanReference<'a> {
+impl MeanReference {
     /// Prepares the reference for wavelengths from `shortest` \[µm\], with colours under `illuminant`.
-    pub fn new(mean: MeanBrdf<'a>, illuminant: &'a Illuminant, shortest: f64) -> Self {
+    pub fn new(mean: MeanBrdf, illuminant: Illuminant, shortest: f64) -> Self {
         Self {
             mean,
             illuminant,
             shortest,
             footprint: Covariance::default(),
-            answered: 0,
-            table: None,
-            too_large: false,
-            progress: &|_, _, _| Ok(()),
+            answered: AtomicUsize::new(0),
+            table: Mutex::default(),
+            too_large: AtomicBool::new(false),
         }
     }
 
-    /// Returns the same reference, which tells `progress` about the series that it makes.
-    pub fn telling(self, progress: &'a Progress<'a>) -> Self {
-        Self { progress, ..self }
+    /// Returns the series of all orders.
+    fn table(&self, task: &Task) -> Result<Arc<TabulatedMean>> {
+        // Whoever else needs the series waits for it here.
+        let mut table = self.table.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(table) = &*table {
+            return Ok(Arc::clone(table));
+        }
+        let made = TabulatedMean::new(self.mean.clone(), self.shortest, task)?.limited(Decimation::Fine);
+        Ok(Arc::clone(table.insert(Arc::new(made))))
     }
 
-    /// Returns the series of all orders, made on first use.
-    fn table(&mut self) -> Result<&TabulatedMean<'a>> {
-        let table = match self.table.take() {
-            Some(table) => table,
-            None => {
-                let told = |done, of| (self.progress)("orders", done, of);
-                TabulatedMean::new(self.mean.clone(), self.shortest, &told)?.limited(Decimation::Fine)
+    /// Returns the series of all orders; `None` if the surface is too large for it. Direct sums need no memory.
+    fn table_if_possible(&self, task: &Task) -> Result<Option<Arc<TabulatedMean>>> {
+        if self.too_large.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        match self.table(task) {
+            Ok(table) => Ok(Some(table)),
+            Err(error) if error.is_too_large() => {
+                self.too_large.store(true, Ordering::Relaxed);
+                Ok(None)
             }
-        };
-        Ok(self.table.insert(table))
+            Err(error) => Err(error),
+        }
     }
 }
 
-impl Brdf for MeanReference<'_> {
-    fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
-        self.answered += pairs.len();
-        let many = self.answered > WORTH_A_TABLE;
-        let footprint = self.footprint;
-        if many && !self.too_large {
-            match self.table() {
-                Ok(table) => return Ok(spectral(table, pairs, wavelength, &footprint)),
-                // The direct sum needs no memory.
-                Err(e) if e.is_too_large() => self.too_large = true,
-                Err(e) => return Err(e),
-            }
+impl Brdf for MeanReference {
+    fn spectral(&self, pairs: &[Pair], wavelength: f64, task: &Task) -> Result<Vec<f64>> {
+        let answered = self.answered.fetch_add(pairs.len(), Ordering::Relaxed) + pairs.len();
+        if answered > WORTH_A_TABLE
+            && let Some(table) = self.table_if_possible(task)?
+        {
+            return spectral(&table, pairs, wavelength, &self.footprint, task);
         }
-        let values = pairs.iter().map(|pair| self.mean.brdf(pair, wavelength, &footprint)).collect();
+        let one = |(done, pair)| {
+            task.report("directions", done, pairs.len())?;
+            Ok(self.mean.brdf(pair, wavelength, &self.footprint))
+        };
+        let values = pairs.iter().enumerate().map(one).collect::<Result<_>>()?;
         if !self.mean.reflectance.is_limited() {
             return Ok(values);
         }
-        let table = self.table().map_err(|e| e.or(Remedy::UnlimitedTheory))?;
-        Ok(limited(table, pairs, wavelength, values))
+        let advise = |e: Error| if e.is_too_large() { e.or(Remedy::UnlimitedTheory) } else { e };
+        let table = self.table(task).map_err(advise)?;
+        Ok(limited(&table, pairs, wavelength, values))
     }
 
-    fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
-        let (illuminant, footprint, progress) = (self.illuminant, self.footprint, self.progress);
-        xyz(self.table()?, pairs, illuminant, &footprint, progress)
+    fn xyz(&self, pairs: &[Pair], task: &Task) -> Result<Vec<DVec3>> {
+        xyz(&*self.table(task)?, pairs, &self.illuminant, &self.footprint, task)
     }
 
     fn average_over(&mut self, deviation: f64) -> bool {
@@ -200,24 +205,14 @@ impl Brdf for MeanReference<'_> {
         true
     }
 
-    fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
-        let illuminant = self.illuminant;
-        // Direct sums answer where there is no series of all orders.
-        if self.too_large {
-            return Ok(None);
-        }
-        match self.table() {
-            Ok(table) => Ok(table.sent(light, wavelength, illuminant)),
-            Err(e) if e.is_too_large() => {
-                self.too_large = true;
-                Ok(None)
-            }
-            Err(e) => Err(e),
-        }
+    fn albedo(&self, light: DVec3, wavelength: Option<f64>, task: &Task) -> Result<Option<f64>> {
+        let table = self.table_if_possible(task)?;
+        Ok(table.and_then(|table| table.sent(light, wavelength, &self.illuminant)))
     }
 
     fn batch(&self) -> usize {
-        if self.table.is_some() { AT_ONCE } else { WORTH_A_TABLE }
+        let is_made = self.table.lock().unwrap_or_else(PoisonError::into_inner).is_some();
+        if is_made { AT_ONCE } else { WORTH_A_TABLE }
     }
 }
 
@@ -241,9 +236,9 @@ mod tests {
     }
 
     /// Returns the mean by Stam's theory, whose values have no limit of energy.
-    fn mean(field: &HeightField) -> MeanBrdf<'_> {
+    fn mean(field: &HeightField) -> MeanBrdf {
         let reflectance = Reflectance::from(1.5).by(Theory::Stam);
-        MeanBrdf { field, sigma: 1.25, beyond: Beyond::Copies, reflectance }
+        MeanBrdf { field: field.clone(), sigma: 1.25, beyond: Beyond::Copies, reflectance }
     }
 
     #[test]
@@ -257,8 +252,10 @@ mod tests {
         let field = HeightField::new(20, 20, [0.06; 2], (0..400).map(height).collect()).unwrap();
         let mean = MeanBrdf { reflectance: Reflectance::of_material(silver, None), ..mean(&field) };
         let pairs = pairs(40);
-        let found = MeanReference::new(mean.clone(), &Illuminant::D65, 0.4).spectral(&pairs, 0.5).unwrap();
-        let orders = TabulatedMean::new(mean.clone(), 0.4, &|_, _| Ok(())).unwrap();
+        let found = MeanReference::new(mean.clone(), Illuminant::D65, 0.4)
+            .spectral(&pairs, 0.5, &Task::silent())
+            .unwrap();
+        let orders = TabulatedMean::new(mean.clone(), 0.4, &Task::silent()).unwrap();
         let albedo = orders.albedo(Decimation::Fine);
         let mut limited = 0;
         for (pair, found) in pairs.iter().zip(found) {
@@ -281,11 +278,11 @@ mod tests {
     #[test]
     fn faint_directions_between_the_orders_of_short_patches_keep_their_own_value() {
         for field in short_patches() {
-            let mut answers = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-3);
+            let answers = MeanFromOrders::new(mean(&field), Illuminant::D65, 1e-3);
             let (mut squares, mut faintest, mut brightest) = (0.0, f64::INFINITY, 0.0f64);
             let pairs = pairs(100);
             for wavelength in [0.3, 0.45, 0.7] {
-                let found = answers.spectral(&pairs, wavelength).unwrap();
+                let found = answers.spectral(&pairs, wavelength, &Task::silent()).unwrap();
                 for (pair, found) in pairs.iter().zip(found) {
                     let exact = mean(&field).brdf(pair, wavelength, &Covariance::default());
                     if exact == 0.0 {
@@ -307,12 +304,15 @@ mod tests {
     fn an_answer_depends_on_its_own_question_alone() {
         let [field, _] = short_patches();
         let pairs = pairs(20);
-        let mut alone = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-2);
-        let one = (alone.spectral(&pairs[..1], 0.55).unwrap()[0], alone.xyz(&pairs[..1]).unwrap()[0]);
-        let mut together = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-2);
-        let _ = together.spectral(&pairs, 0.2).unwrap();
-        assert_eq!(together.spectral(&pairs, 0.55).unwrap()[0], one.0);
-        assert_eq!(together.xyz(&pairs).unwrap()[0], one.1);
+        let alone = MeanFromOrders::new(mean(&field), Illuminant::D65, 1e-2);
+        let one = (
+            alone.spectral(&pairs[..1], 0.55, &Task::silent()).unwrap()[0],
+            alone.xyz(&pairs[..1], &Task::silent()).unwrap()[0],
+        );
+        let together = MeanFromOrders::new(mean(&field), Illuminant::D65, 1e-2);
+        let _ = together.spectral(&pairs, 0.2, &Task::silent()).unwrap();
+        assert_eq!(together.spectral(&pairs, 0.55, &Task::silent()).unwrap()[0], one.0);
+        assert_eq!(together.xyz(&pairs, &Task::silent()).unwrap()[0], one.1);
     }
 
     #[test]
@@ -321,16 +321,16 @@ mod tests {
             let pairs = pairs(50);
             // The trapezoid rule over many wavelengths.
             let nodes = Wavelengths::trapezoid(&Illuminant::D65, 4001);
-            let mut single = MeanFromOrders::new(mean(&field), &Illuminant::D65, 1e-3);
+            let single = MeanFromOrders::new(mean(&field), Illuminant::D65, 1e-3);
             let mut exact = vec![DVec3::ZERO; pairs.len()];
             for (weight, q) in nodes.weights.iter().zip(&nodes.wavenumbers) {
                 let wavelength = 1.0 / q;
-                let values = single.spectral(&pairs, wavelength.max(SHORTEST)).unwrap();
+                let values = single.spectral(&pairs, wavelength.max(SHORTEST), &Task::silent()).unwrap();
                 exact.iter_mut().zip(values).for_each(|(sum, value)| *sum += *weight * value);
             }
             for tolerance in [1e-1, 1e-2] {
-                let mut answers = MeanFromOrders::new(mean(&field), &Illuminant::D65, tolerance);
-                let found = answers.xyz(&pairs).unwrap();
+                let answers = MeanFromOrders::new(mean(&field), Illuminant::D65, tolerance);
+                let found = answers.xyz(&pairs, &Task::silent()).unwrap();
                 let square = |(a, b): (&DVec3, &DVec3)| (*a - *b).length_squared() / b.length_squared();
                 let rms = (found.iter().zip(&exact).map(square).sum::<f64>() / pairs.len() as f64).sqrt();
                 eprintln!("{tolerance:e}: {rms:.1e}");

@@ -16,26 +16,23 @@ pub use orders::DiffractionOrder;
 
 use crate::error::Result;
 use crate::optics::geometry::Pair;
+use crate::task::Task;
 use glam::DVec3;
 
-/// Callback with the name of the computation, steps done and steps in total, as far as known; an error it returns
-/// cancels the work.
-pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
-
-/// Evaluation of the BRDF f of a surface.
-pub trait Brdf {
+/// Evaluation of the BRDF f of a surface, from any thread. What an answer needs beyond its directions is computed once, for the first one.
+pub trait Brdf: Send + Sync {
     /// Returns f \[sr⁻¹\] of every pair of directions at `wavelength` \[µm\], in order; 0 below the horizon.
     ///
     /// # Errors
-    /// Fails if the method has no single wavelengths or the device is lost.
-    fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>>;
+    /// Fails if the method has no single wavelengths, if the device is lost, or if the task is cancelled.
+    fn spectral(&self, pairs: &[Pair], wavelength: f64, task: &Task) -> Result<Vec<f64>>;
 
     /// Returns XYZ of f \[sr⁻¹\] of every pair of directions, in order, normalised to 1/cos θ_i for a perfect mirror
     /// image of the light; 0 below the horizon.
     ///
     /// # Errors
-    /// Fails if a colour needs too many wavelengths or the device is lost.
-    fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>>;
+    /// Fails if a colour needs too many wavelengths, if the device is lost, or if the task is cancelled.
+    fn xyz(&self, pairs: &[Pair], task: &Task) -> Result<Vec<DVec3>>;
 
     /// Averages all further answers over a round Gaussian of standard deviation `deviation` of (u, v), if the method can; returns whether it
     /// does.
@@ -49,8 +46,8 @@ pub trait Brdf {
     ///
     /// # Errors
     /// Those of [`Brdf::spectral`] and [`Brdf::xyz`].
-    fn albedo(&mut self, light: DVec3, wavelength: Option<f64>) -> Result<Option<f64>> {
-        let _ = (light, wavelength);
+    fn albedo(&self, light: DVec3, wavelength: Option<f64>, task: &Task) -> Result<Option<f64>> {
+        let _ = (light, wavelength, task);
         Ok(None)
     }
 

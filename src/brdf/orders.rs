@@ -5,10 +5,10 @@ use super::mean::MeanBrdf;
 use super::tabulated::TabulatedMean;
 use crate::error::Result;
 use crate::optics::geometry::Pair;
-use crate::optics::nufft::Progress;
 use crate::optics::theory::Theory;
 use crate::spectra::power::Beyond;
 use crate::surface::HeightField;
+use crate::task::Task;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ pub struct DiffractionOrder {
     pub period: Option<f64>,
 }
 
-impl MeanBrdf<'_> {
+impl MeanBrdf {
     /// Returns the orders of copies of the patch that light from `light` = ω_i at `wavelength` \[µm\] sends above the horizon, by n and then by
     /// m. Those that the samples do not resolve are left out; there are none for light below the horizon.
     ///
@@ -38,19 +38,14 @@ impl MeanBrdf<'_> {
     /// energy of the theory, if it has one, is applied to each.
     ///
     /// # Errors
-    /// Too little memory for the series; errors of `progress`.
-    pub fn orders(
-        &self,
-        light: DVec3,
-        wavelength: f64,
-        progress: Progress<'_>,
-    ) -> Result<Vec<DiffractionOrder>> {
+    /// Too little memory for the series; a cancelled task.
+    pub fn orders(&self, light: DVec3, wavelength: f64, task: &Task) -> Result<Vec<DiffractionOrder>> {
         let of_copies = Self { beyond: Beyond::Copies, ..self.clone() };
-        let asked = propagating(self.field, light, wavelength);
+        let asked = propagating(&self.field, light, wavelength);
         // A sum takes about as long as a term of the series.
-        let is_many = asked.len() > TabulatedMean::terms(self.field, wavelength);
+        let is_many = asked.len() > TabulatedMean::terms(&self.field, wavelength);
         let series = (is_many || self.reflectance.is_limited())
-            .then(|| TabulatedMean::new(of_copies.clone(), wavelength, progress))
+            .then(|| TabulatedMean::new(of_copies.clone(), wavelength, task))
             .transpose()?;
         let limits = self.limits(&asked, series.as_ref(), wavelength);
         let order = |(i, &(numbers, pair)): (usize, &([i64; 2], Pair))| {
@@ -59,7 +54,7 @@ impl MeanBrdf<'_> {
             let power = match &series {
                 Some(series) if is_many => series.order_power(opposite, z),
                 _ => {
-                    progress(i, asked.len())?;
+                    task.report("orders", i, asked.len())?;
                     of_copies.order_power(opposite, z)
                 }
             };
@@ -72,11 +67,11 @@ impl MeanBrdf<'_> {
     fn limits(
         &self,
         asked: &[([i64; 2], Pair)],
-        series: Option<&TabulatedMean<'_>>,
+        series: Option<&TabulatedMean>,
         wavelength: f64,
     ) -> Vec<f64> {
         let pairs: Vec<Pair> = asked.iter().map(|(_, pair)| *pair).collect();
-        let albedo = |series: &TabulatedMean<'_>| -> DirectionalAlbedo {
+        let albedo = |series: &TabulatedMean| -> DirectionalAlbedo {
             // Each order is a direction: of many, the sum is over groups.
             series.albedo(if pairs.len() > MANY { Decimation::Coarse } else { Decimation::Fine })
         };
@@ -97,7 +92,7 @@ impl MeanBrdf<'_> {
         let in_order = power * wavelength.powi(2);
         let weighted = self.reflectance.cosine_weighted(pair, wavelength, 1.0, in_order);
         let factor = self.reflectance.factor(pair.light, wavelength).toward(pair.view);
-        let frequency = frequency(self.field, numbers).length();
+        let frequency = frequency(&self.field, numbers).length();
         DiffractionOrder {
             numbers,
             view: pair.view,
@@ -149,11 +144,11 @@ mod tests {
     const GREEN: f64 = 0.55;
 
     fn orders(field: &HeightField, light: DVec3) -> Vec<DiffractionOrder> {
-        mean(field).orders(light, GREEN, &|_, _| Ok(())).unwrap()
+        mean(field).orders(light, GREEN, &Task::silent()).unwrap()
     }
 
-    fn mean(field: &HeightField) -> MeanBrdf<'_> {
-        MeanBrdf { field, sigma: 40.0, beyond: Beyond::Copies, reflectance: 1.5.into() }
+    fn mean(field: &HeightField) -> MeanBrdf {
+        MeanBrdf { field: field.clone(), sigma: 40.0, beyond: Beyond::Copies, reflectance: 1.5.into() }
     }
 
     #[test]

@@ -11,7 +11,6 @@ use crate::error::{Error, Remedy, Result};
 use crate::filter::Covariance;
 use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
-use crate::optics::nufft::Progress;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::quadrature::{SPAN, Wavelengths};
 use crate::optics::spectrum::{Illuminant, LONGEST};
@@ -20,12 +19,15 @@ use crate::spectra::power::{
     Transform,
 };
 use crate::surface::HeightField;
+use crate::task::Task;
 use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
+/// Name of the evaluation in reports of progress.
+const DIRECTIONS: &str = "directions";
 /// Nodes in z in addition to those required by the height range: the interpolation error falls below 1e-8 on every
 /// surface of the tests.
 const MORE_NODES: usize = 16;
@@ -72,8 +74,8 @@ const MOST_TERMS: usize = 4096;
 
 /// Mean with the power of every order as a Chebyshev series in z. Its power differs from the direct sum by less than
 /// 1e-5.
-pub struct TabulatedMean<'a> {
-    mean: MeanBrdf<'a>,
+pub struct TabulatedMean {
+    mean: MeanBrdf,
     sampling: ColourSampling,
     series: OrderSeries,
     // Made for the first average over many orders.
@@ -81,13 +83,13 @@ pub struct TabulatedMean<'a> {
     limit: Option<Arc<DirectionalAlbedo>>,
 }
 
-impl<'a> TabulatedMean<'a> {
+impl TabulatedMean {
     /// Tabulates the powers of all orders of `mean` for wavelengths from `shortest` \[µm\].
     ///
     /// # Errors
-    /// Heights that need more than 4096 terms, too little memory, or the error of `progress`.
-    pub fn new(mean: MeanBrdf<'a>, shortest: f64, progress: Progress<'_>) -> Result<Self> {
-        Self::with_sampling(mean, shortest, ColourSampling::EXACT, progress)
+    /// Heights that need more than 4096 terms, too little memory, or a cancelled task.
+    pub fn new(mean: MeanBrdf, shortest: f64, task: &Task) -> Result<Self> {
+        Self::with_sampling(mean, shortest, ColourSampling::EXACT, task)
     }
 
     /// Tabulates the powers of all orders, for colours by `sampling`.
@@ -95,12 +97,12 @@ impl<'a> TabulatedMean<'a> {
     /// # Errors
     /// Same as [`TabulatedMean::new`].
     pub fn with_sampling(
-        mean: MeanBrdf<'a>,
+        mean: MeanBrdf,
         shortest: f64,
         sampling: ColourSampling,
-        progress: Progress<'_>,
+        task: &Task,
     ) -> Result<Self> {
-        let MeanBrdf { field, sigma, beyond, .. } = mean;
+        let MeanBrdf { ref field, sigma, beyond, .. } = mean;
         let settings = PowerSettings { shortest, ..PowerSettings::new(sigma, beyond, 0.0) };
         let terms = Self::terms(field, shortest);
         if terms > MOST_TERMS {
@@ -117,8 +119,8 @@ impl<'a> TabulatedMean<'a> {
         let grid = OrderGrid::new(field, 2.0 / shortest, CUT * x.max(y).sqrt());
         let transform = Transform::new(field, grid, beyond);
         transform.ensure_room()?;
-        let series = OrderSeries::with_terms(&transform, &settings, terms, progress)?;
-        progress(terms, terms)?;
+        let series = OrderSeries::with_terms(&transform, &settings, terms, task)?;
+        task.report("orders", terms, terms)?;
         Ok(Self { mean, sampling, series, pyramid: OnceLock::new(), limit: None })
     }
 
@@ -132,26 +134,22 @@ impl<'a> TabulatedMean<'a> {
     /// too large for the sum over all orders.
     ///
     /// # Errors
-    /// Fails if there is not enough memory, or with the error of `progress`.
-    pub fn limit_of(
-        mean: MeanBrdf<'a>,
-        shortest: f64,
-        progress: Progress<'_>,
-    ) -> Result<Option<Arc<DirectionalAlbedo>>> {
+    /// Fails if there is not enough memory, or if the task is cancelled.
+    pub fn limit_of(mean: MeanBrdf, shortest: f64, task: &Task) -> Result<Option<Arc<DirectionalAlbedo>>> {
         /// Most terms of the series in z: heights of 60 µm in visible light.
         const MOST_OF_LIMIT: usize = 1024;
-        if !mean.reflectance.is_limited() || Self::terms(mean.field, shortest) > MOST_OF_LIMIT {
+        if !mean.reflectance.is_limited() || Self::terms(&mean.field, shortest) > MOST_OF_LIMIT {
             return Ok(None);
         }
-        Ok(Some(Arc::new(Self::new(mean, shortest, progress)?.albedo(Decimation::Fine))))
+        Ok(Some(Arc::new(Self::new(mean, shortest, task)?.albedo(Decimation::Fine))))
     }
 
     /// Makes the limit of energy of colours, if there is one: [`Self::xyz`] would make it without progress.
     ///
     /// # Errors
-    /// Fails with the error of `progress`.
-    pub fn prepare_colours(&self, progress: Progress<'_>) -> Result<()> {
-        self.limit.as_ref().map_or(Ok(()), |limit| limit.make_table(progress))
+    /// Fails if the task is cancelled.
+    pub fn prepare_colours(&self, task: &Task) -> Result<()> {
+        self.limit.as_ref().map_or(Ok(()), |limit| limit.make_table(task))
     }
 
     /// Returns the directional albedo of the orders.
@@ -305,13 +303,13 @@ impl<'a> TabulatedMean<'a> {
     /// `orders`.
     ///
     /// # Errors
-    /// Fails with the error of `progress`.
+    /// Fails if the task is cancelled.
     pub fn xyz(
         &self,
         illuminant: &Illuminant,
         pairs: &[(Pair, Covariance)],
         orders: SummedOrders,
-        progress: Progress<'_>,
+        task: &Task,
     ) -> Result<Vec<DVec3>> {
         const AT_ONCE: usize = 1024;
         let counts: Vec<usize> =
@@ -322,7 +320,7 @@ impl<'a> TabulatedMean<'a> {
         let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
         let mut colours = Vec::with_capacity(pairs.len());
         for (pairs_now, counts_now) in pairs.chunks(AT_ONCE).zip(counts.chunks(AT_ONCE)) {
-            progress(colours.len(), pairs.len())?;
+            task.report(DIRECTIONS, colours.len(), pairs.len())?;
             colours.par_extend(pairs_now.par_iter().zip(counts_now).map(|((pair, footprint), count)| {
                 sets.get(count).map_or(DVec3::ZERO, |wavelengths| {
                     wavelengths.integral(|wavelength| {
@@ -335,7 +333,7 @@ impl<'a> TabulatedMean<'a> {
                 })
             }));
         }
-        progress(pairs.len(), pairs.len())?;
+        task.report(DIRECTIONS, pairs.len(), pairs.len())?;
         Ok(colours)
     }
 
@@ -453,7 +451,7 @@ mod tests {
         for field in [elaphe(0.1), elaphe(0.25), rough(48, 34), rough(49, 33)] {
             let name = (field.columns(), field.rows());
             let mean = MeanBrdf::in_sunlight(&field, 1.5);
-            let table = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+            let table = TabulatedMean::new(mean, 0.38, &Task::silent()).unwrap();
             for (uu, uv, vv) in [(0.02, 0.0, 0.02), (0.2, 0.05, 0.03), (0.3, -0.1, 0.3), (1e-3, 0.0, 0.2)] {
                 let footprint = Covariance { uu, uv, vv };
                 for (uvw, q) in [(DVec3::new(0.1, -0.2, -1.8), 2.2), (DVec3::new(-0.9, 0.6, -1.0), 1.5)] {
@@ -478,8 +476,8 @@ mod tests {
             synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Blaze) }).unwrap(),
         ] {
             for beyond in [Beyond::Copies, Beyond::Alike] {
-                let mean = MeanBrdf { field: &field, sigma: 2.0, beyond, reflectance: 1.5.into() };
-                let table = TabulatedMean::new(mean.clone(), 0.38, &|_, _| Ok(())).unwrap();
+                let mean = MeanBrdf { field: field.clone(), sigma: 2.0, beyond, reflectance: 1.5.into() };
+                let table = TabulatedMean::new(mean.clone(), 0.38, &Task::silent()).unwrap();
                 for footprint in [Covariance::default(), Covariance { uu: 4e-4, uv: 1e-4, vv: 1e-3 }] {
                     for directions in DIRECTIONS {
                         for wavelength in [0.4, 0.55, 0.7] {
@@ -502,8 +500,9 @@ mod tests {
     #[test]
     fn averages_that_reach_beyond_the_horizon_along_x_or_y_are_the_direct_sum() {
         let field = rough();
-        let mean = MeanBrdf { field: &field, sigma: 2.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
-        let table = TabulatedMean::new(mean.clone(), 0.38, &|_, _| Ok(())).unwrap();
+        let mean =
+            MeanBrdf { field: field.clone(), sigma: 2.0, beyond: Beyond::Copies, reflectance: 1.5.into() };
+        let table = TabulatedMean::new(mean.clone(), 0.38, &Task::silent()).unwrap();
         let (footprint, q) = (Covariance { uu: 0.02, uv: 0.005, vv: 0.03 }, 1.0 / 0.55);
         for uvw in [DVec3::new(1.75, 0.3, -0.8), DVec3::new(0.2, -1.8, -0.7), DVec3::new(1.4, 1.3, -0.5)] {
             let f = -uvw.truncate() * q;

@@ -8,6 +8,7 @@ use crate::measure::profile::measure;
 use crate::optics::coherence::Windows;
 use crate::settings::Method;
 use crate::spectra::amplitude::expansion::Basis;
+use crate::task::Task;
 
 /// Candidates without --tolerance, the most accurate of each method first. Tables of smaller tolerances do not fit usual devices.
 const CANDIDATES: [(Method, f64); 7] = [
@@ -87,7 +88,7 @@ fn candidates(options: &BenchmarkOptions) -> Vec<BenchmarkOptions> {
 /// Measures the frames a second of a setting.
 fn frame_rate(scene: &BenchmarkScene, options: &BenchmarkOptions) -> Result<f64> {
     let mut renderer = scene.prepare(options)?.renderer;
-    let times = measure(&mut renderer, &scene.view, FRAMES, SECONDS, &|_, _| Ok(()))?;
+    let times = measure(&mut renderer, &scene.view, FRAMES, SECONDS, &Task::silent())?;
     Ok(1e3 / times.frame.p50)
 }
 

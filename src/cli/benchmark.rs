@@ -3,7 +3,7 @@
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
 };
-use super::progress::Progress;
+use super::progress::ProgressBar;
 use super::{prepare, say};
 use crate::brdf::tabulated::ColourSampling;
 use crate::error::{Error, Result};
@@ -29,6 +29,7 @@ use crate::scene::{Light, Scene};
 use crate::settings::{Method, Optics};
 use crate::setup::{self, InUse, SourceSettings};
 use crate::surface::HeightField;
+use crate::task::Task;
 use crate::units;
 use crate::vk::device::Device;
 use clap::Args;
@@ -303,7 +304,7 @@ impl BenchmarkScene {
 
     /// Draws the picture of `renderer` from all samples of `sampling`, displayed as the scene says.
     fn render(&self, renderer: &mut Renderer, sampling: Sampling) -> Result<Picture> {
-        renderer.render(&self.view, &sampling, Shown::of(&self.scene), &mut |_| Ok(()))
+        renderer.render(&self.view, &sampling, Shown::of(&self.scene), &Task::silent())
     }
 
     /// Times the frame and measures the errors of its picture; the fields that depend on the setting stay empty.
@@ -316,7 +317,7 @@ impl BenchmarkScene {
         exact: &ReferencePixels,
         limits: TimingLimits,
     ) -> Result<Measurement> {
-        let times = measure(renderer, &self.view, limits.frames, limits.seconds, &|_, _| Ok(()))?;
+        let times = measure(renderer, &self.view, limits.frames, limits.seconds, &Task::silent())?;
         let picture = self.paint(renderer)?;
         let errors =
             PixelErrors::of(&shown(&picture, &exact.pixels), &exact.colors, self.scene.display.exposure);
@@ -334,15 +335,15 @@ impl BenchmarkScene {
 
     /// Computes the f64 reference of `pixels`, linear sRGB; black for uncovered pixels.
     fn reference(&self, optics: &Optics, directions: &[Directions], pixels: &[usize]) -> Result<Vec<DVec3>> {
-        let bar = Progress::new("reference", "a smaller number of compared pixels");
-        let progress = |done, of| bar.show("reference", done, of);
+        let bar = ProgressBar::new("reference", "a smaller number of compared pixels");
+        let task = bar.task().named("reference");
         let is_covered = |pixel: &&usize| directions.iter().any(|seen| seen.view[**pixel][3] != 0.0);
         let seen: Vec<usize> = pixels.iter().filter(is_covered).copied().collect();
         /// Error of the reference relative to the smallest tolerance of a sweep.
         const PART: f64 = 0.2;
         let sampling = ColourSampling::within(PART * optics.tolerance.min(1e-2));
-        let colors = PixelReference::with_sampling(&self.field, optics, sampling, &progress)
-            .and_then(|reference| reference.colors(&self.view, 0, directions, &seen, &progress));
+        let colors = PixelReference::with_sampling(&self.field, optics, sampling, &task)
+            .and_then(|reference| reference.colors(&self.view, 0, directions, &seen, &task));
         let colors: BTreeMap<usize, DVec3> = seen.into_iter().zip(colors?).collect();
         Ok(pixels.iter().map(|pixel| colors.get(pixel).copied().unwrap_or(DVec3::ZERO)).collect())
     }

@@ -2,7 +2,7 @@
 
 use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
-use super::progress::Progress;
+use super::progress::ProgressBar;
 use super::say;
 use super::{prepare, write};
 use crate::error::{Error, Result};
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let groups = table.by_wavelength();
     prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
-        let bar = Progress::new("directions", "a file of fewer queries").over(table.queries.len());
+        let bar = ProgressBar::over("directions", "a file of fewer queries", table.queries.len());
         for (wavelength, places) in &groups {
             let pairs: Vec<Pair> = places.iter().map(|&place| table.queries[place].pair).collect();
             let found = evaluation::ask(brdf, &pairs, *wavelength, &bar)?;

@@ -1,7 +1,7 @@
 //! Evaluation in `eval`, `brdf`, `colour` and `peaks`: limits of the input, and batches of directions.
 
 use super::options::{ColourOptions, DEFAULT_ILLUMINANT};
-use super::progress::Progress;
+use super::progress::ProgressBar;
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
@@ -25,22 +25,25 @@ const OF_A_BATCH: Duration = Duration::from_secs(1);
 /// # Errors
 /// Those of [`Brdf`].
 pub fn ask(
-    brdf: &mut dyn Brdf,
+    brdf: &dyn Brdf,
     pairs: &[Pair],
     wavelength: Option<f64>,
-    progress: &Progress,
+    bar: &ProgressBar,
 ) -> Result<Vec<DVec3>> {
     let mut all = Vec::with_capacity(pairs.len());
+    let task = bar.task_of_parts();
     let mut size = FIRST_BATCH;
     while all.len() < pairs.len() {
         let left = &pairs[all.len()..];
         let part = &left[..size.min(brdf.batch()).min(left.len())];
         let begun = Instant::now();
         match wavelength {
-            Some(wavelength) => all.extend(brdf.spectral(part, wavelength)?.into_iter().map(DVec3::splat)),
-            None => all.extend(brdf.xyz(part)?),
+            Some(wavelength) => {
+                all.extend(brdf.spectral(part, wavelength, &task)?.into_iter().map(DVec3::splat))
+            }
+            None => all.extend(brdf.xyz(part, &task)?),
         }
-        progress.add(part.len());
+        bar.add(part.len());
         let batches_in_time = OF_A_BATCH.as_secs_f64() / begun.elapsed().as_secs_f64();
         size = ((part.len() as f64 * batches_in_time) as usize).clamp(FIRST_BATCH, AT_ONCE);
     }

@@ -5,7 +5,7 @@ mod page;
 use self::page::PageSubject;
 use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
-use super::progress::Progress;
+use super::progress::{LESS_WORK, ProgressBar};
 use super::{captions, prepare, write};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
@@ -106,8 +106,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let optics = Optics { method: Method::Table, ..optics }.checked()?;
     let settings = ExportSettings { most_bytes, ..export_settings(&optics, arguments.footprint)? };
     prepare::warn_of_coarse_samples(&field, SHORTEST);
-    let bar = Progress::new("orders", "a part of the surface (--crop), or a larger --tolerance,");
-    let material = ExportedMaterial::new(&field, &settings, &|what, done, of| bar.show(what, done, of))?;
+    let bar = ProgressBar::new("orders", LESS_WORK);
+    let material = ExportedMaterial::new(&field, &settings, &bar.task())?;
     drop(bar);
     let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command())?;
     if let Some(folder) = &arguments.output {

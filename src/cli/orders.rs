@@ -4,7 +4,7 @@ mod figure;
 mod sweep;
 
 use super::options::{FigureOptions, ReflectanceOptions, SurfaceOptions, share};
-use super::progress::Progress;
+use super::progress::ProgressBar;
 use super::{captions, evaluation, prepare, say, write};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
@@ -236,9 +236,8 @@ fn orders(
     light: DVec3,
     wavelength: f64,
 ) -> Result<Vec<DiffractionOrder>> {
-    let bar = Progress::new("orders", "a part of the surface (--crop)");
-    let progress = |done, of| bar.show("orders", done, of);
-    MeanBrdf::in_sunlight(cell, reflectance.clone()).orders(light, wavelength, &progress)
+    let bar = ProgressBar::new("orders", "a part of the surface (--crop)");
+    MeanBrdf::in_sunlight(cell, reflectance.clone()).orders(light, wavelength, &bar.task())
 }
 
 /// Returns true for an order with light, of at least the share `least`.

@@ -1,6 +1,6 @@
 //! Preparation of commands that shade: a device, and a source, from the cache or made with a progress bar.
 
-use super::progress::Progress;
+use super::progress::{LESS_WORK, ProgressBar};
 use super::remedies::in_options;
 use super::verbosity::detail;
 use super::{check_validation, say, validation};
@@ -13,6 +13,7 @@ use crate::scene::Scene;
 use crate::settings::Method;
 use crate::setup::{self, InUse, SourceSettings};
 use crate::surface::HeightField;
+use crate::task::Task;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::selection::DeviceChoice;
@@ -20,9 +21,6 @@ use std::cell::OnceCell;
 use std::ffi::OsStr;
 use std::sync::{Arc, Once};
 use std::time::Instant;
-
-/// Words for what makes the preparation of a surface shorter.
-const LESS_WORK: &str = "a part of the surface (--crop), or a larger --tolerance,";
 
 /// Opens the device that `wish` names, with the pipelines that the cache keeps for it.
 pub fn device(wish: &DeviceChoice) -> Result<Arc<Device>> {
@@ -44,8 +42,8 @@ pub fn check(device: &Device) -> Result<()> {
 
 /// Opens the scene called `name`, with a progress bar while the mesh file is read.
 pub fn scene(name: &OsStr) -> Result<Scene> {
-    let bar = Progress::new("mesh", "a mesh of fewer triangles");
-    Scene::open_telling(name, &|what, done, of| bar.show(what, done, of))
+    let bar = ProgressBar::new("mesh", "a mesh of fewer triangles");
+    Scene::open_telling(name, &bar.task())
 }
 
 /// Returns the source of `field` under `settings` on `device`: one of `in_use`, from the cache, or made with a progress bar.
@@ -63,9 +61,8 @@ pub fn source(
     }
     warn_of_coarse_samples(field, settings.shortest);
     let start = Instant::now();
-    let bar = Progress::new("spectra", LESS_WORK);
-    let progress = |what, done, of| bar.show(what, done, of);
-    let made = setup::source(field, settings, device.candidate(), in_use, &progress)?;
+    let bar = ProgressBar::new("spectra", LESS_WORK);
+    let made = setup::source(field, settings, device.candidate(), in_use, &bar.task())?;
     drop(bar);
     let (extent, summary) = (made.source.extent(), made.source.summary(&settings.optics));
     const MIB: f64 = 1024.0 * 1024.0;
@@ -99,18 +96,17 @@ pub fn for_each_window(
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     warn_of_coarse_samples(field, settings.shortest);
-    let bar = Progress::new("spectra", LESS_WORK);
-    let progress = |what, done, of: usize| {
-        bar.show(what, done, of)?;
-        if done >= of {
+    let bar = ProgressBar::new("spectra", LESS_WORK);
+    let task = Task::reporting(move |progress| {
+        bar.show(&progress);
+        if progress.done >= progress.of {
             bar.clear();
         }
-        Ok(())
-    };
+    });
     // The reference averages over windows by itself.
     let grid = settings.optics.windows.grid().filter(|_| settings.optics.method != Method::Reference);
     let [n, m] = grid.unwrap_or([1, 1]);
-    let windows = Progress::without_bar("windows", "a smaller number of --windows", (n * m) as usize);
+    let windows = ProgressBar::hidden("windows", "a smaller number of --windows", (n * m) as usize);
     windows.add(0);
     let ask_and_count = |brdf: &mut dyn Brdf, share: f64| {
         ask(brdf, share)?;
@@ -126,7 +122,7 @@ pub fn for_each_window(
     if *wish != DeviceChoice::default() {
         open()?;
     }
-    setup::for_each_window(field, settings, &open, &progress, &|note| say(&in_options(note)), ask_and_count)?;
+    setup::for_each_window(field, settings, &open, &task, &|note| say(&in_options(note)), ask_and_count)?;
     opened.get().map_or(Ok(()), |device| finish(device))
 }
 

@@ -1,9 +1,10 @@
 //! Progress of long work: a bar on a terminal, and one line about work that takes many minutes.
 
 use super::verbosity::{quiet, say};
-use crate::error::Result;
-use indicatif::{ProgressBar, ProgressStyle};
-use std::cell::Cell;
+use crate::task::{Progress, Task};
+use indicatif::ProgressStyle;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time after which a step tells how long it takes: its first parts are no longer exceptional.
@@ -13,15 +14,28 @@ const LONG: Duration = Duration::from_secs(300);
 /// Minutes from which hours are easier to read.
 const MANY_MINUTES: f64 = 120.0;
 
-/// Steps of some work, one after the other, with a bar on stderr that is drawn on a terminal only and removed on drop.
-pub struct Progress {
-    bar: ProgressBar,
-    /// Name of the first step.
+/// Words for what makes the preparation of a surface shorter.
+pub const LESS_WORK: &str = "a part of the surface (--crop), or a larger --tolerance,";
+
+/// Bar on stderr that shows the steps of some work, one after the other. It is drawn on a terminal only, and removed with its last clone.
+#[derive(Clone)]
+pub struct ProgressBar {
+    shared: Arc<Shared>,
+}
+
+/// Parts of a bar that its clones share.
+struct Shared {
+    bar: indicatif::ProgressBar,
+    /// Name of the main step.
     name: &'static str,
-    /// Words for a change of the command that takes less time, as in `a smaller --size`.
+    /// Words for a change of the command with which the main step takes less time, as in `a smaller --size`.
     shorter: &'static str,
+    /// Parts of the main step.
+    count: usize,
+    /// Parts of the main step that are done.
+    counted: AtomicUsize,
     /// Step that is being done; `None` before its first parts are done, since these may include preparations.
-    step: Cell<Option<Step>>,
+    step: Mutex<Option<Step>>,
 }
 
 /// Step that is being done.
@@ -52,69 +66,86 @@ impl Step {
     }
 }
 
-impl Progress {
-    /// Returns the progress of work whose first step is called `name`; `shorter` names what takes less time.
+impl ProgressBar {
+    /// Returns the bar of work whose main step is called `name`; `shorter` names what takes less time.
     pub fn new(name: &'static str, shorter: &'static str) -> Self {
-        let bar = if quiet() { ProgressBar::hidden() } else { ProgressBar::new(1) };
+        Self::over(name, shorter, 0)
+    }
+
+    /// Returns the bar of work whose main step, called `name`, has `count` parts.
+    pub fn over(name: &'static str, shorter: &'static str, count: usize) -> Self {
+        let bar = if quiet() { indicatif::ProgressBar::hidden() } else { indicatif::ProgressBar::new(1) };
         if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
             bar.set_style(style);
         }
         bar.set_message(name);
-        Self { bar, shorter, name, step: Cell::new(None) }
+        Self::shared(bar, name, shorter, count)
     }
 
-    /// Returns the progress of `count` parts that have bars of their own, so that this one has none.
-    pub fn without_bar(name: &'static str, shorter: &'static str, count: usize) -> Self {
-        let bar = ProgressBar::hidden();
-        bar.set_length(count as u64);
-        Self { bar, shorter, name, step: Cell::new(None) }
+    /// Returns the bar of `count` parts that have bars of their own, so that this one is not drawn.
+    pub fn hidden(name: &'static str, shorter: &'static str, count: usize) -> Self {
+        Self::shared(indicatif::ProgressBar::hidden(), name, shorter, count)
     }
 
-    /// Returns the same progress over `count` parts.
-    pub fn over(self, count: usize) -> Self {
-        self.bar.set_length(count as u64);
-        self
+    fn shared(bar: indicatif::ProgressBar, name: &'static str, shorter: &'static str, count: usize) -> Self {
+        let (counted, step) = (AtomicUsize::new(0), Mutex::new(None));
+        Self { shared: Arc::new(Shared { bar, name, shorter, count, counted, step }) }
     }
 
-    /// Shows that `done` of the parts `of` of the step `name` are done, under this `message`.
-    pub fn show_as(&self, name: &'static str, message: impl Into<String>, done: usize, of: usize) {
-        self.bar.set_message(message.into());
-        self.bar.set_length(of as u64);
-        self.bar.set_position(done as u64);
-        let same = self.step.get().filter(|step| step.name == name && done >= step.done);
-        let mut step = same.unwrap_or_else(|| Step::new(name, done));
-        step.done = done;
-        if let (false, Some(left)) = (step.is_told, step.long_rest(step.begun.elapsed(), done, of)) {
-            step.is_told = true;
-            let line =
-                format!("{name}: this takes about {} more; {} is shorter", in_words(left), self.shorter);
-            self.bar.suspend(|| say(&line));
+    /// Returns a task whose progress the bar shows.
+    pub fn task(&self) -> Task {
+        let bar = self.clone();
+        Task::reporting(move |progress| bar.show(&progress))
+    }
+
+    /// Returns a task for a few parts of the main step, which [`Self::add`] counts. The bar shows its other steps.
+    pub fn task_of_parts(&self) -> Task {
+        let bar = self.clone();
+        Task::reporting(move |progress| {
+            if progress.stage != bar.shared.name {
+                bar.show(&progress);
+            }
+        })
+    }
+
+    /// Shows `progress`.
+    pub fn show(&self, progress: &Progress) {
+        self.show_as(progress, progress.stage);
+    }
+
+    /// Shows `progress` under this `message`.
+    pub fn show_as(&self, &Progress { stage, done, of, .. }: &Progress, message: impl Into<String>) {
+        let Shared { bar, step, .. } = &*self.shared;
+        bar.set_message(message.into());
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        let mut step = step.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut now =
+            step.filter(|step| step.name == stage && done >= step.done).unwrap_or(Step::new(stage, done));
+        now.done = done;
+        if let (false, Some(left)) = (now.is_told, now.long_rest(now.begun.elapsed(), done, of)) {
+            now.is_told = true;
+            let shorter = if stage == self.shared.name { self.shared.shorter } else { LESS_WORK };
+            let line = format!("{stage}: this takes about {} more; {shorter} is shorter", in_words(left));
+            bar.suspend(|| say(&line));
         }
-        self.step.set(Some(step));
+        *step = Some(now);
     }
 
-    /// Shows that `done` of the parts `of` of the step `name` are done.
-    ///
-    /// # Errors
-    /// Never: a callback that tells progress may cancel the work, and this one does not.
-    pub fn show(&self, name: &'static str, done: usize, of: usize) -> Result<()> {
-        self.show_as(name, name, done, of);
-        Ok(())
-    }
-
-    /// Shows that `count` further parts of the step are done.
+    /// Shows that `count` further parts of the main step are done.
     pub fn add(&self, count: usize) {
-        let (name, done) = self.step.get().map_or((self.name, 0), |step| (step.name, step.done));
-        self.show_as(name, name, done + count, self.bar.length().unwrap_or(0) as usize);
+        let Shared { name, counted, count: of, .. } = &*self.shared;
+        let done = counted.fetch_add(count, Ordering::Relaxed) + count;
+        self.show(&Progress { stage: name, done, of: *of });
     }
 
     /// Removes the bar until further parts are shown.
     pub fn clear(&self) {
-        self.bar.finish_and_clear();
+        self.shared.bar.finish_and_clear();
     }
 }
 
-impl Drop for Progress {
+impl Drop for Shared {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

@@ -5,7 +5,7 @@ use super::finished::{self, KeptPicture, SequenceOrigin};
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, sample_pixels,
 };
-use super::progress::Progress;
+use super::progress::ProgressBar;
 use super::sequence::SequenceOptions;
 use super::verbosity::say;
 use super::{captions, prepare, scale};
@@ -13,7 +13,6 @@ use crate::error::{Error, Remedy, Result};
 use crate::files::Files;
 use crate::measure::error;
 use crate::notes::Notes;
-use crate::optics::nufft;
 use crate::optics::spectrum::SHORTEST;
 use crate::optics::validity::LightColour;
 use crate::picture_file::{self, PictureFormat};
@@ -33,6 +32,7 @@ use crate::scene::Scene;
 use crate::settings::Method;
 use crate::setup::{self, InUse, ObjectSurface, PictureSettings, PreparedScene, SourceSettings};
 use crate::surface::HeightField;
+use crate::task::Task;
 use crate::units;
 use clap::Args;
 use std::collections::BTreeSet;
@@ -264,16 +264,10 @@ fn draw(
     scale::tell(prepared.renderer(), &first.view, scene, optics.coherence, settings.sampling.count)?;
     let progress = SequenceProgress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
-        let told = |done, of| progress.show(number, done, of);
+        let task = progress.of_picture(number);
         let picture = match &rays {
-            Some(rays) => reference_picture(rays, &shot.view, work, shown, &told)?,
-            None => {
-                let samples = settings.sampling.count as usize;
-                let picture = prepared.draw(&shot.view, &mut |done| told(done as usize, samples))?;
-                // A single sample has no progress to report.
-                told(samples, samples)?;
-                picture
-            }
+            Some(rays) => reference_picture(rays, &shot.view, work, shown, &task)?,
+            None => prepared.draw(&shot.view, &task)?,
         };
         prepare::check(&device)?;
         let mut notes = shot.notes.clone();
@@ -287,9 +281,9 @@ fn draw(
     prepare::finish(&device)
 }
 
-/// Progress over all pictures.
+/// Progress of all pictures.
 struct SequenceProgress {
-    bar: Progress,
+    bar: ProgressBar,
     parts: &'static str,
     pictures: usize,
 }
@@ -298,20 +292,21 @@ impl SequenceProgress {
     /// Returns the bar of so many pictures, each of which consists of `parts`.
     fn over(pictures: usize, parts: &'static str) -> Self {
         Self {
-            bar: Progress::new(parts, "a smaller --size, or a smaller number of --samples,"),
+            bar: ProgressBar::new(parts, "a smaller --size, or a smaller number of --samples,"),
             parts,
             pictures,
         }
     }
 
-    /// Shows that `done` of the parts `of` picture number `number`, from 0, are done.
-    fn show(&self, number: usize, done: usize, of: usize) -> Result<()> {
-        let message = match self.pictures {
-            1 => self.parts.to_owned(),
-            pictures => format!("picture {} of {pictures}", number + 1),
+    /// Returns the task of picture number `number`, from 0.
+    fn of_picture(&self, number: usize) -> Task {
+        let (bar, parts, pictures) = (self.bar.clone(), self.parts, self.pictures);
+        let message = match pictures {
+            1 => parts.to_owned(),
+            _ => format!("picture {} of {pictures}", number + 1),
         };
-        self.bar.show_as(self.parts, message, of * number + done, of * self.pictures);
-        Ok(())
+        let show = Task::reporting(move |progress| bar.show_as(&progress, message.clone()));
+        show.share(number, pictures).named(parts)
     }
 }
 
@@ -321,9 +316,9 @@ fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) 
     const PIXELS: usize = 2000;
     let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
     let one = PictureWork { settings: &settings, shaded: Some(PIXELS), ..*work };
-    let bar = Progress::new("exposure", "an --exposure in stops");
-    let progress = |done, of| bar.show("exposure", done, of);
-    let picture = reference_picture(rays, view, &one, Shown::of(work.scene), &progress)?;
+    let bar = ProgressBar::new("exposure", "an --exposure in stops");
+    let task = bar.task().named("exposure");
+    let picture = reference_picture(rays, view, &one, Shown::of(work.scene), &task)?;
     Ok(exposure::automatic(&picture.radiance))
 }
 
@@ -341,7 +336,7 @@ fn reference_picture(
     view: &View,
     work: &PictureWork<'_>,
     shown: Shown,
-    progress: nufft::Progress<'_>,
+    task: &Task,
 ) -> Result<Picture> {
     let PictureWork { field, surfaces, settings, shaded, .. } = *work;
     prepare::warn_of_coarse_samples(field, SHORTEST);
@@ -368,7 +363,7 @@ fn reference_picture(
         objects.push(ReferenceObject { field: field.as_deref(), optics: &source.optics });
     }
     let samples = ReferenceSamples { sampling, size: settings.size, chosen: &chosen };
-    let radiance = reference_mean(&objects, view, &samples, &mut directions, progress)?;
+    let radiance = reference_mean(&objects, view, &samples, &mut directions, task)?;
     let display = displayed_of(view, settings.size, &radiance, shown);
     let surrounded = view.background().is_some();
     Ok(Picture { size: settings.size, radiance, display, surrounded })

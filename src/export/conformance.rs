@@ -10,10 +10,10 @@ use crate::error::{Error, Result};
 use crate::filter::Covariance;
 use crate::optics::color::xyz_to_linear_srgb;
 use crate::optics::geometry::{Pair, direction};
-use crate::optics::nufft::Progress;
 use crate::optics::spectrum::SHORTEST;
 use crate::random::Random;
 use crate::table::{ColorTable, TableReader};
+use crate::task::Task;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -61,18 +61,13 @@ impl Conformance {
     /// Evaluates `table` and the exact `mean` in the directions of `settings`.
     ///
     /// # Errors
-    /// Too little memory for all orders; errors of `progress`.
-    pub fn new(
-        mean: MeanBrdf<'_>,
-        settings: &ExportSettings,
-        table: &ColorTable,
-        progress: Progress<'_>,
-    ) -> Result<Self> {
+    /// Too little memory for all orders; a cancelled task.
+    pub fn new(mean: MeanBrdf, settings: &ExportSettings, table: &ColorTable, task: &Task) -> Result<Self> {
         let asked = questions(settings.footprint, table.header.coherence_blur.sqrt());
         let pairs: Vec<_> = asked.iter().map(|(pair, [dx, dy])| (*pair, covariance(*dx, *dy))).collect();
         let reflectance = mean.reflectance.clone();
-        let exact = TabulatedMean::new(mean, SHORTEST, progress)?.limited(Decimation::Coarse);
-        let exact = exact.xyz(&settings.illuminant, &pairs, SummedOrders::All, progress)?;
+        let exact = TabulatedMean::new(mean, SHORTEST, task)?.limited(Decimation::Coarse);
+        let exact = exact.xyz(&settings.illuminant, &pairs, SummedOrders::All, task)?;
         let reader = TableReader::new(table);
         let read: Vec<DVec3> =
             pairs.par_iter().map(|(pair, footprint)| reader.xyz(pair, &reflectance, footprint)).collect();
@@ -306,7 +301,7 @@ pub(super) mod tests {
 
     pub(in crate::export) fn small_table() -> (Conformance, ColorTable) {
         static MADE: LazyLock<(Conformance, ColorTable)> = LazyLock::new(|| {
-            let made = ExportedMaterial::new(&small_field(), &small_settings(), &|_, _, _| Ok(())).unwrap();
+            let made = ExportedMaterial::new(&small_field(), &small_settings(), &Task::silent()).unwrap();
             (made.conformance, made.table)
         });
         MADE.clone()
@@ -329,7 +324,7 @@ pub(super) mod tests {
         for polarisation in Polarisation::ALL {
             let reflectance = Reflectance::of_material(glass.clone(), None).polarised(polarisation);
             let settings = ExportSettings { reflectance, ..small_settings() };
-            let made = ExportedMaterial::new(&small_field(), &settings, &|_, _, _| Ok(())).unwrap();
+            let made = ExportedMaterial::new(&small_field(), &settings, &Task::silent()).unwrap();
             let errors = made.conformance.errors();
             eprintln!("{polarisation:?}: {errors:?}");
             // TM light has no reflection at Brewster's angle, which a footprint may reach from others.
@@ -342,7 +337,7 @@ pub(super) mod tests {
         let (_, whole) = small_table();
         let most = whole.bytes() as u64 / 3;
         let settings = ExportSettings { most_bytes: Some(most), ..small_settings() };
-        let made = ExportedMaterial::new(&small_field(), &settings, &|_, _, _| Ok(())).unwrap();
+        let made = ExportedMaterial::new(&small_field(), &settings, &Task::silent()).unwrap();
         assert!(
             made.table.bytes() as u64 <= most && made.table.bytes() as u64 > most / 4,
             "{}",
@@ -351,7 +346,7 @@ pub(super) mod tests {
         assert!(made.table.header.grid.finest > settings.footprint);
         assert!(made.conformance.errors().relative_l2 <= settings.tolerance);
         let none = ExportSettings { most_bytes: Some(10), ..small_settings() };
-        assert!(ExportedMaterial::new(&small_field(), &none, &|_, _, _| Ok(())).is_err());
+        assert!(ExportedMaterial::new(&small_field(), &none, &Task::silent()).is_err());
     }
 
     #[test]

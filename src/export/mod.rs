@@ -34,6 +34,7 @@ use crate::optics::spectrum::Illuminant;
 use crate::spectra::power::{Beyond, OrderSeries, PowerSettings};
 use crate::surface::HeightField;
 use crate::table::{self, ColorTable, PlannedTable, TableSettings, bake};
+use crate::task::Task;
 use crate::tolerance;
 
 /// Settings of an exported material.
@@ -69,51 +70,42 @@ pub struct ExportedMaterial {
 }
 
 impl ExportedMaterial {
-    /// Bakes the table of `field` and evaluates the conformance directions. `progress` is told the name of the work, steps done and steps in all.
+    /// Bakes the table of `field` and evaluates the conformance directions. `task` is told of each step.
     ///
     /// # Errors
-    /// Too little memory; errors of `progress`.
-    pub fn new(
-        field: &HeightField,
-        settings: &ExportSettings,
-        progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
-    ) -> Result<Self> {
-        let made = plan(field, settings, progress).and_then(|(series, colours)| {
-            let table = bake(&series, &colours, &|done, of| progress("colours", done, of))?;
+    /// Too little memory; a cancelled task.
+    pub fn new(field: &HeightField, settings: &ExportSettings, task: &Task) -> Result<Self> {
+        let made = plan(field, settings, task).and_then(|(series, colours)| {
+            let table = bake(&series, &colours, task)?;
             Ok((series, table))
         });
         let (series, mut table) = made.map_err(|refusal| {
             tolerance::with_least(refusal, settings.tolerance, |tolerance| {
-                let (series, colours) =
-                    plan(field, &ExportSettings { tolerance, ..settings.clone() }, progress)?;
+                let (series, colours) = plan(field, &ExportSettings { tolerance, ..settings.clone() }, task)?;
                 table::check(&series, &colours)
             })
         })?;
         if settings.reflectance.is_limited() {
             let albedo = DirectionalAlbedo::new(&series, &settings.reflectance, Decimation::Coarse);
-            albedo.make_table(&|done, of| progress("energy", done, of))?;
+            albedo.make_table(task)?;
             table.header.energy = Some(EnergyMap::new(&albedo, &settings.illuminant).points().to_vec());
         }
         drop(series);
         let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
         let mean = MeanBrdf {
-            field,
+            field: field.clone(),
             sigma: settings.sigma,
             beyond: settings.beyond,
             reflectance: settings.reflectance.clone(),
         };
-        let exact = |done, of| progress("exact colours", done, of);
+        let exact = task.named("exact colours");
         let conformance = Conformance::new(mean, settings, &table, &exact)?;
         Ok(Self { table, conformance })
     }
 }
 
 /// Returns the series of orders of `field` and the settings of the table that `settings` ask for.
-fn plan(
-    field: &HeightField,
-    settings: &ExportSettings,
-    progress: &dyn Fn(&'static str, usize, usize) -> Result<()>,
-) -> Result<(OrderSeries, TableSettings)> {
+fn plan(field: &HeightField, settings: &ExportSettings, task: &Task) -> Result<(OrderSeries, TableSettings)> {
     let powers = PowerSettings::new(settings.sigma, settings.beyond, settings.tolerance);
     let mut colours = TableSettings {
         reflectance: Some(settings.reflectance.clone()),
@@ -121,7 +113,7 @@ fn plan(
         finest: settings.footprint,
         ..TableSettings::new(settings.illuminant.clone(), settings.tolerance)
     };
-    let series = OrderSeries::new(field, &powers, &|done, of| progress("orders", done, of))?;
+    let series = OrderSeries::new(field, &powers, task)?;
     if let Some(most) = settings.most_bytes {
         colours.finest = footprint_within(most, &series, colours.clone())?;
     }

@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::render::frame::View;
 use crate::render::renderer::Renderer;
 use crate::render::renderer::timing::PassTimes;
+use crate::task::Task;
 use glam::DVec3;
 use serde::Serialize;
 use std::time::Instant;
@@ -79,13 +80,13 @@ pub struct Rates {
 /// measurement.
 ///
 /// # Errors
-/// Fails if the device is lost, or with the error of `progress`.
+/// Fails if the device is lost, or if the task is cancelled.
 pub fn measure(
     renderer: &mut Renderer,
     view: &View,
     frames: usize,
     seconds: f64,
-    progress: &dyn Fn(usize, usize) -> Result<()>,
+    task: &Task,
 ) -> Result<Times> {
     let watch = renderer.stopwatch()?;
     let mut series: Vec<PassTimes> = Vec::new();
@@ -94,7 +95,7 @@ pub fn measure(
     let elapsed = || begin.elapsed().as_secs_f64();
     let mut drawn = 0;
     while series.len() < frames && !(series.len() >= FEWEST && elapsed() > warm_up + seconds) {
-        progress(series.len(), frames)?;
+        task.report("frames", series.len(), frames)?;
         let is_warm = drawn >= WARM_UP && elapsed() >= warm_up;
         let times = renderer.time(&watch, view, 0.0, DVec3::ZERO)?;
         drawn += 1;

@@ -32,24 +32,24 @@ const WAVELENGTHS_PER_BATCH: usize = 512;
 
 /// Surface under a coherence, ready to be summed.
 #[derive(Clone, Debug)]
-pub struct Reference<'a> {
-    field: &'a HeightField,
+pub struct Reference {
+    field: HeightField,
     coherence: Coherence,
     windows: [u32; 2],
     reflectance: Reflectance,
     limit: Option<Arc<dyn EnergyLimit>>,
 }
 
-impl<'a> Reference<'a> {
+impl Reference {
     /// Returns the direct sum over `field` through `coherence`, averaged over `windows` = \[n, m\] window centres (1 × 1 is the thesis),
     /// for a surface that reflects by `reflectance` (a number is a refractive index).
     pub fn new(
-        field: &'a HeightField,
+        field: &HeightField,
         coherence: Coherence,
         windows: [u32; 2],
         reflectance: impl Into<Reflectance>,
     ) -> Self {
-        Self { field, coherence, windows, reflectance: reflectance.into(), limit: None }
+        Self { field: field.clone(), coherence, windows, reflectance: reflectance.into(), limit: None }
     }
 
     /// Returns the same sum within a limit of energy.
@@ -99,8 +99,8 @@ impl<'a> Reference<'a> {
     }
 
     /// Returns the height field.
-    pub(super) fn field(&self) -> &'a HeightField {
-        self.field
+    pub(super) fn field(&self) -> &HeightField {
+        &self.field
     }
 
     /// Returns the coherence.

@@ -10,28 +10,29 @@ use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
 use crate::settings::Optics;
+use crate::task::Task;
 use crate::vk::device::Device;
 use glam::DVec3;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Maker of the limit of energy of single wavelengths; `None` where the theory has none.
-pub type MakeLimit<'a> = dyn Fn() -> Result<Option<Arc<DirectionalAlbedo>>> + 'a;
+pub type MakeLimit = dyn Fn(&Task) -> Result<Option<Arc<DirectionalAlbedo>>> + Send + Sync;
 
 /// Evaluates a source on the device.
 ///
 /// For a grating the device evaluates the response of one period, which is smooth. The periodic factor is multiplied
 /// here in f64, which resolves orders of any sharpness.
-pub struct DeviceBrdf<'a> {
-    evaluator: Evaluator,
+pub struct DeviceBrdf {
+    evaluator: Mutex<Evaluator>,
     // True if the source averages over footprints.
     averages: bool,
     grating: Option<PeriodicFactor>,
-    limit: Option<&'a MakeLimit<'a>>,
+    limit: Option<Arc<MakeLimit>>,
     // Limit of the colours of a grating, which are sums over single wavelengths.
     energy: Option<Arc<EnergyMap>>,
 }
 
-impl<'a> DeviceBrdf<'a> {
+impl DeviceBrdf {
     /// Uploads `source` for `optics`.
     ///
     /// # Errors
@@ -46,7 +47,7 @@ impl<'a> DeviceBrdf<'a> {
             _ => None,
         };
         Ok(Self {
-            evaluator: Evaluator::new(device, source, optics)?,
+            evaluator: Mutex::new(Evaluator::new(device, source, optics)?),
             averages: matches!(source, Source::Table(_)),
             grating,
             limit: None,
@@ -55,14 +56,15 @@ impl<'a> DeviceBrdf<'a> {
     }
 
     /// Returns the same BRDF with single wavelengths within the limit of energy that `limit` makes once it is needed; colours have that of the source.
-    pub fn limited(self, limit: &'a MakeLimit<'a>) -> Self {
+    pub fn limited(self, limit: Arc<MakeLimit>) -> Self {
         Self { limit: Some(limit), ..self }
     }
 
-    fn ask(&mut self, pairs: &[Pair], wavelength: Option<f64>) -> Result<Vec<DVec3>> {
+    fn ask(&self, pairs: &[Pair], wavelength: Option<f64>, task: &Task) -> Result<Vec<DVec3>> {
+        let mut evaluator = self.evaluator.lock().unwrap_or_else(PoisonError::into_inner);
         let weighted = match &self.grating {
             Some(grating) => {
-                let mut weighted = grating.cosine_weighted(&mut self.evaluator, pairs, wavelength)?;
+                let mut weighted = grating.cosine_weighted(&mut evaluator, pairs, wavelength, task)?;
                 if let (None, Some(energy)) = (wavelength, &self.energy) {
                     weighted.iter_mut().zip(pairs).for_each(|(f, pair)| *f /= energy.limit(pair));
                 }
@@ -70,28 +72,29 @@ impl<'a> DeviceBrdf<'a> {
             }
             None => {
                 let queries: Vec<Query> = pairs.iter().map(|&pair| Query { pair, wavelength }).collect();
-                self.evaluator.cosine_weighted(&queries)?
+                evaluator.cosine_weighted(&queries)?
             }
         };
         Ok(pairs.iter().zip(weighted).map(|(pair, f)| without_cosine(pair, f)).collect())
     }
 }
 
-impl Brdf for DeviceBrdf<'_> {
-    fn spectral(&mut self, pairs: &[Pair], wavelength: f64) -> Result<Vec<f64>> {
-        let values = self.ask(pairs, Some(wavelength))?.into_iter().map(|f| f.x);
-        Ok(match self.limit.map_or(Ok(None), |make| make())? {
+impl Brdf for DeviceBrdf {
+    fn spectral(&self, pairs: &[Pair], wavelength: f64, task: &Task) -> Result<Vec<f64>> {
+        let values = self.ask(pairs, Some(wavelength), task)?.into_iter().map(|f| f.x);
+        Ok(match self.limit.as_ref().map_or(Ok(None), |make| make(task))? {
             Some(limit) => values.zip(limit.limits(pairs, wavelength)).map(|(f, limit)| f / limit).collect(),
             None => values.collect(),
         })
     }
 
-    fn xyz(&mut self, pairs: &[Pair]) -> Result<Vec<DVec3>> {
-        self.ask(pairs, None)
+    fn xyz(&self, pairs: &[Pair], task: &Task) -> Result<Vec<DVec3>> {
+        self.ask(pairs, None, task)
     }
 
     fn average_over(&mut self, deviation: f64) -> bool {
-        self.evaluator.average_over(if self.averages { deviation } else { 0.0 });
+        let evaluator = self.evaluator.get_mut().unwrap_or_else(PoisonError::into_inner);
+        evaluator.average_over(if self.averages { deviation } else { 0.0 });
         self.averages
     }
 
@@ -116,6 +119,7 @@ impl PeriodicFactor {
         evaluator: &mut Evaluator,
         pairs: &[Pair],
         wavelength: Option<f64>,
+        task: &Task,
     ) -> Result<Vec<DVec3>> {
         let mut sums = vec![DVec3::ZERO; pairs.len()];
         // Responses of one period, each with the pair that it belongs to and its weight there.
@@ -125,6 +129,7 @@ impl PeriodicFactor {
             let single = |q: f64| Query { pair, wavelength: Some(1.0 / q) };
             asked.extend(wavenumbers.into_iter().zip(weights).map(|(q, weight)| (single(q), place, weight)));
             if asked.len() >= AT_ONCE {
+                task.report("directions", place, pairs.len())?;
                 add(evaluator, &mut asked, &mut sums)?;
             }
         }

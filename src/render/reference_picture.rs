@@ -16,13 +16,14 @@ use crate::optics::coherence::{SUNLIGHT_LENGTH, Windows};
 use crate::optics::color::{self, xyz_to_linear_srgb};
 use crate::optics::energy::EnergyLimit;
 use crate::optics::geometry::Pair;
-use crate::optics::nufft::{self, Progress};
+use crate::optics::nufft;
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
 use crate::scene::camera::pixel_in_clip;
 use crate::scene::incident::mean_cosine;
 use crate::settings::Optics;
 use crate::surface::HeightField;
+use crate::task::Task;
 use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -37,11 +38,11 @@ pub fn reference_picture(
     optics: &Optics,
     view: &View,
     directions: &[Directions],
-    progress: Progress<'_>,
+    task: &Task,
 ) -> Result<Vec<[f32; 4]>> {
     let covered = covered(directions);
     let mut picture = vec![[0.0; 4]; directions.first().map_or(0, |d| d.view.len())];
-    let colors = reference_pixels(field, optics, view, directions, &covered, progress)?;
+    let colors = reference_pixels(field, optics, view, directions, &covered, task)?;
     for (pixel, color) in covered.into_iter().zip(colors) {
         picture[pixel] = color.as_vec3().extend(1.0).to_array();
     }
@@ -58,32 +59,32 @@ pub fn reference_pixels(
     view: &View,
     directions: &[Directions],
     pixels: &[usize],
-    progress: Progress<'_>,
+    task: &Task,
 ) -> Result<Vec<DVec3>> {
-    PixelReference::new(field, optics, progress)?.colors(view, 0, directions, pixels, progress)
+    PixelReference::new(field, optics, task)?.colors(view, 0, directions, pixels, task)
 }
 
 /// Shades pixels in f64.
-pub struct PixelReference<'a> {
-    optics: &'a Optics,
-    by: By<'a>,
+pub struct PixelReference {
+    optics: Optics,
+    by: By,
     limit: Option<Arc<DirectionalAlbedo>>,
 }
 
-enum By<'a> {
-    Windows(Reference<'a>),
-    Mean(Box<TabulatedMean<'a>>),
+enum By {
+    Windows(Box<Reference>),
+    Mean(Box<TabulatedMean>),
     // The pigment alone is visible.
     Nothing,
 }
 
-impl<'a> PixelReference<'a> {
+impl PixelReference {
     /// Makes the reference of `field` under `optics`.
     ///
     /// # Errors
-    /// Fails if there is not enough memory, or with the error of `progress`.
-    pub fn new(field: &'a HeightField, optics: &'a Optics, progress: Progress<'_>) -> Result<Self> {
-        Self::with_sampling(field, optics, ColourSampling::EXACT, progress)
+    /// Fails if there is not enough memory, or if the task is cancelled.
+    pub fn new(field: &HeightField, optics: &Optics, task: &Task) -> Result<Self> {
+        Self::with_sampling(field, optics, ColourSampling::EXACT, task)
     }
 
     /// Makes the reference of `field` under `optics`; the colours of the mean are summed by `sampling`.
@@ -91,17 +92,21 @@ impl<'a> PixelReference<'a> {
     /// # Errors
     /// Same as [`PixelReference::new`].
     pub fn with_sampling(
-        field: &'a HeightField,
-        optics: &'a Optics,
+        field: &HeightField,
+        optics: &Optics,
         sampling: ColourSampling,
-        progress: Progress<'_>,
+        task: &Task,
     ) -> Result<Self> {
         let sigma = optics.coherence.sigma();
-        let mean =
-            |sigma| MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
+        let mean = |sigma| MeanBrdf {
+            field: field.clone(),
+            sigma,
+            beyond: optics.beyond,
+            reflectance: optics.reflectance.clone(),
+        };
         let (by, limit) = match (optics.windows, sigma) {
             (Windows::All, Some(sigma)) => {
-                let table = TabulatedMean::with_sampling(mean(sigma), SHORTEST, sampling, progress)?;
+                let table = TabulatedMean::with_sampling(mean(sigma), SHORTEST, sampling, task)?;
                 let table = table.limited(Decimation::Coarse);
                 let limit = table.limit().cloned();
                 (By::Mean(Box::new(table)), limit)
@@ -109,17 +114,17 @@ impl<'a> PixelReference<'a> {
             (windows, _) => {
                 let windows = windows.grid().unwrap_or([1, 1]);
                 let of_sunlight = mean(sigma.unwrap_or(SUNLIGHT_LENGTH / 4.0));
-                let limit = TabulatedMean::limit_of(of_sunlight, SHORTEST, progress)?;
+                let limit = TabulatedMean::limit_of(of_sunlight, SHORTEST, task)?;
                 let sum = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
-                (By::Windows(sum), limit)
+                (By::Windows(Box::new(sum)), limit)
             }
         };
-        Ok(Self { optics, by, limit })
+        Ok(Self { optics: optics.clone(), by, limit })
     }
 
     /// Makes the reference of an object that does not diffract.
-    pub fn of_pigment(optics: &'a Optics) -> Self {
-        Self { optics, by: By::Nothing, limit: None }
+    pub fn of_pigment(optics: &Optics) -> Self {
+        Self { optics: optics.clone(), by: By::Nothing, limit: None }
     }
 
     /// Returns the linear sRGB colours of the pixels with the numbers `pixels`, which show object number `object`. The mean is averaged over the
@@ -133,7 +138,7 @@ impl<'a> PixelReference<'a> {
         object: usize,
         directions: &[Directions],
         pixels: &[usize],
-        progress: Progress<'_>,
+        task: &Task,
     ) -> Result<Vec<DVec3>> {
         let base_color = view.base_color(object).as_dvec3();
         let mut colors = vec![DVec3::ZERO; pixels.len()];
@@ -144,9 +149,7 @@ impl<'a> PixelReference<'a> {
             let asked: Vec<(Pair, Covariance)> =
                 pixels.iter().map(|&i| (pair(i), seen.covariance(i))).collect();
             let energy = self.limit.as_ref().map(|limit| EnergyMap::new(limit, illuminant));
-            let diffracted = self.diffracted(seen, &asked, illuminant, &|done, of| {
-                progress(number * of + done, lights * of)
-            })?;
+            let diffracted = self.diffracted(seen, &asked, illuminant, &task.share(number, lights))?;
             let white = xyz_to_linear_srgb(illuminant.white());
             for ((color, &i), ((pair, _), xyz)) in
                 colors.iter_mut().zip(pixels).zip(asked.iter().zip(diffracted))
@@ -210,7 +213,7 @@ impl<'a> PixelReference<'a> {
         let weighted = match &self.by {
             By::Mean(mean) => {
                 let asked = [(*pair, Covariance::default())];
-                mean.xyz(illuminant, &asked, SummedOrders::All, &|_, _| Ok(()))?[0]
+                mean.xyz(illuminant, &asked, SummedOrders::All, &Task::silent())?[0]
             }
             By::Windows(reference) => {
                 let limit = self.limit.as_ref().map_or(1.0, |limit| limit.colour(pair, illuminant));
@@ -227,17 +230,17 @@ impl<'a> PixelReference<'a> {
         seen: &Directions,
         asked: &[(Pair, Covariance)],
         illuminant: &Illuminant,
-        progress: Progress<'_>,
+        task: &Task,
     ) -> Result<Vec<DVec3>> {
         match &self.by {
             By::Mean(mean) => {
                 let orders =
                     if seen.mirrored.is_empty() { SummedOrders::All } else { SummedOrders::Scattered };
-                mean.xyz(illuminant, asked, orders, progress)
+                mean.xyz(illuminant, asked, orders, task)
             }
             By::Windows(reference) => {
                 let pairs: Vec<Pair> = asked.iter().map(|(pair, _)| *pair).collect();
-                nufft::cosine_weighted_xyz(reference, illuminant, &pairs, progress)
+                nufft::cosine_weighted_xyz(reference, illuminant, &pairs, task)
             }
             By::Nothing => Ok(vec![DVec3::ZERO; asked.len()]),
         }
@@ -353,14 +356,14 @@ pub fn reference_mean(
     view: &View,
     samples: &ReferenceSamples<'_>,
     directions: &mut dyn FnMut(&LightPass) -> Result<Directions>,
-    progress: Progress<'_>,
+    task: &Task,
 ) -> Result<Vec<[f32; 4]>> {
     let sampling = samples.sampling;
     let count = sampling.count.max(1);
     let mut references = Vec::new();
     for &ReferenceObject { field, optics } in objects {
         let reference = match field {
-            Some(field) => PixelReference::new(field, optics, progress)?,
+            Some(field) => PixelReference::new(field, optics, task)?,
             None => PixelReference::of_pigment(optics),
         };
         references.push(reference);
@@ -380,9 +383,8 @@ pub fn reference_mean(
         for (number, reference) in references.iter().enumerate() {
             let shows = |&&pixel: &&usize| seen[0].object(pixel) == number;
             let pixels: Vec<usize> = pixels.iter().filter(shows).copied().collect();
-            let (part, parts) = (place * references.len() + number, passes.len() * references.len());
-            let told = |done, of| progress(part * of + done, parts * of);
-            let colors = reference.colors(view, number, &seen, &pixels, &told)?;
+            let share = task.share(place * references.len() + number, passes.len() * references.len());
+            let colors = reference.colors(view, number, &seen, &pixels, &share)?;
             for (pixel, color) in pixels.into_iter().zip(colors) {
                 sample[pixel] = color.extend(coverage);
             }

@@ -3,6 +3,7 @@
 use super::corner::Corner;
 use super::{normals, tangents};
 use crate::error::{Error, Result};
+use crate::task::Task;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
@@ -15,9 +16,6 @@ const MAX_COORDINATE: f32 = 1e9;
 
 /// Sine of the smallest angle of a triangle that is kept; a thinner one has no direction that an `f32` can hold.
 const THINNEST: f64 = 1e-6;
-
-/// Progress callback: name of the step, count done and total count. An error from it ends the work.
-pub type Progress<'a> = dyn Fn(&'static str, usize, usize) -> Result<()> + 'a;
 
 /// One vertex, laid out as the vertex buffer holds it: 48 bytes, no padding.
 #[repr(C)]
@@ -60,15 +58,15 @@ impl Mesh {
     /// # Errors
     /// More than [`MAX_TRIANGLES`], a coordinate that is not finite or beyond ±10⁹, no triangle with an area.
     pub fn from_triangles(triangles: Vec<[Corner; 3]>) -> Result<Self> {
-        Self::build(triangles, &|_, _, _| Ok(()))
+        Self::build(triangles, &Task::silent())
     }
 
-    /// Builds a mesh like [`Mesh::from_triangles`], with reports to `progress`.
+    /// Builds a mesh like [`Mesh::from_triangles`], with reports to `task`.
     ///
     /// # Errors
-    /// Those of [`Mesh::from_triangles`] and of `progress`.
-    pub(super) fn build(mut triangles: Vec<[Corner; 3]>, progress: &Progress<'_>) -> Result<Self> {
-        let step = |done| progress("building the mesh", done, 4);
+    /// Those of [`Mesh::from_triangles`], and a cancelled task.
+    pub(super) fn build(mut triangles: Vec<[Corner; 3]>, task: &Task) -> Result<Self> {
+        let step = |done| task.report("building the mesh", done, 4);
         step(0)?;
         if triangles.len() > MAX_TRIANGLES {
             return Err(Error::input(

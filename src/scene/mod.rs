@@ -31,6 +31,6 @@ pub use far_light::FarLight;
 pub use incident::Incident;
 pub use lamp::{Lamp, Room};
 pub use light::{Emitter, Light};
-pub use mesh::{Bounds, Mesh, Progress, Vertex};
+pub use mesh::{Bounds, Mesh, Vertex};
 pub use object::{Grooves, Object};
 pub use scene_file::Scene;

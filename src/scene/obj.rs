@@ -8,14 +8,14 @@
 //! second pass is tobj's, over the lines that make the mesh.
 
 use super::corner::Corner;
-use super::mesh::{MAX_TRIANGLES, Mesh, Progress};
+use super::mesh::{MAX_TRIANGLES, Mesh};
 use super::polygon::PolygonCutter;
 use crate::error::{self, Error, Result};
 use crate::input;
 use crate::memory;
+use crate::task::Task;
 use glam::Vec3;
 use std::borrow::Cow;
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
@@ -42,13 +42,13 @@ const REPORT_EVERY: usize = 1 << 20;
 const SHOWN: usize = 40;
 
 /// Reads the mesh in the OBJ file at `path`, or only the `part` that is an object, a group or a material of this name, with reports to
-/// `progress`.
+/// the task.
 ///
 /// # Errors
 /// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; a part that it does not have; otherwise those of
-/// [`from_bytes`]. The error names the file. Also errors of `progress`.
-pub fn load(path: &Path, part: Option<&str>, progress: &Progress<'_>) -> Result<Mesh> {
-    parse(&read(path)?, part, progress).map_err(|e| e.at(path.display()))
+/// [`from_bytes`]. The error names the file. Also a cancelled task.
+pub fn load(path: &Path, part: Option<&str>, task: &Task) -> Result<Mesh> {
+    parse(&read(path)?, part, task).map_err(|e| e.at(path.display()))
 }
 
 /// Reads the mesh in the text of an OBJ file.
@@ -57,11 +57,11 @@ pub fn load(path: &Path, part: Option<&str>, progress: &Progress<'_>) -> Result<
 /// Text that is empty or not an OBJ, a line that is cut short or malformed (named by its number), an index that points at nothing, no
 /// faces, more than [`MAX_TRIANGLES`], more than the memory holds; and those of [`Mesh::from_triangles`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Mesh> {
-    parse(bytes, None, &|_, _, _| Ok(()))
+    parse(bytes, None, &Task::silent())
 }
 
-/// Reads the whole of the text or a `part`; fails with the error of `progress`.
-fn parse(bytes: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Mesh> {
+/// Reads the whole of the text or a `part`; fails with an error if the task is cancelled.
+fn parse(bytes: &[u8], part: Option<&str>, task: &Task) -> Result<Mesh> {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::input("the file is empty", "export the mesh as Wavefront OBJ again"));
@@ -71,29 +71,26 @@ fn parse(bytes: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Me
     }
     // The lines that make the mesh.
     memory::ensure_room(2 * bytes.len() as u64, "the text of the mesh")?;
-    let survey = Survey::of(bytes, part, progress)?;
+    let survey = Survey::of(bytes, part, task)?;
     memory::ensure_room(survey.triangles as u64 * BYTES_PER_TRIANGLE, "the triangles of the mesh")?;
-    let models = models(&survey.geometry, progress)?;
+    let models = models(&survey.geometry, task)?;
     let mut cutter = PolygonCutter::default();
     let mut triangles = Vec::new();
     for model in &models {
-        cut_faces(&model.mesh, &survey, &mut cutter, progress, &mut triangles)?;
+        cut_faces(&model.mesh, &survey, &mut cutter, task, &mut triangles)?;
     }
     drop(models);
-    Mesh::build(triangles, progress)
+    Mesh::build(triangles, task)
 }
 
-/// Reads `geometry` with tobj; fails with the error of `progress`.
-fn models(geometry: &str, progress: &Progress<'_>) -> Result<Vec<tobj::Model>> {
-    let stopped = RefCell::new(None);
-    let text = ToldText { text: geometry.as_bytes(), done: 0, told: 0, progress, stopped: &stopped };
-    progress(READING, 0, geometry.len())?;
+/// Reads `geometry` with tobj; fails with an error if the task is cancelled.
+fn models(geometry: &str, task: &Task) -> Result<Vec<tobj::Model>> {
+    let text = ToldText { text: geometry.as_bytes(), done: 0, told: 0, task };
+    task.report(READING, 0, geometry.len())?;
     let options = tobj::LoadOptions::default();
     let no_materials = |_: &Path| Err(tobj::LoadError::GenericFailure);
     let read = tobj::load_obj_buf(&mut BufReader::new(text), &options, no_materials);
-    if let Some(error) = stopped.into_inner() {
-        return Err(error);
-    }
+    task.check()?;
     let (models, _) =
         read.map_err(|e| Error::input(e.to_string(), "export the mesh as Wavefront OBJ again").caused_by(e))?;
     Ok(models)
@@ -107,8 +104,7 @@ struct ToldText<'a> {
     text: &'a [u8],
     done: usize,
     told: usize,
-    progress: &'a Progress<'a>,
-    stopped: &'a RefCell<Option<Error>>,
+    task: &'a Task,
 }
 
 impl Read for ToldText<'_> {
@@ -117,10 +113,7 @@ impl Read for ToldText<'_> {
         self.done += count;
         if self.done - self.told >= REPORT_EVERY {
             self.told = self.done;
-            if let Err(error) = (self.progress)(READING, self.done, self.text.len()) {
-                *self.stopped.borrow_mut() = Some(error);
-                return Err(io::Error::other("stopped"));
-            }
+            self.task.report(READING, self.done, self.text.len()).map_err(io::Error::other)?;
         }
         Ok(count)
     }
@@ -150,17 +143,17 @@ fn not_an_obj() -> Error {
 fn each_line(
     text: &[u8],
     what: &'static str,
-    progress: &Progress<'_>,
+    task: &Task,
     mut act: impl FnMut(usize, &[u8]) -> Result<()>,
 ) -> Result<()> {
     let (mut start, mut number, mut reported) = (0, 1, 0);
-    progress(what, 0, text.len())?;
+    task.report(what, 0, text.len())?;
     while start < text.len() {
         let (line, length, ends) = next_line(&text[start..]);
         act(number, &line).map_err(|e| e.at(format!("line {number}")))?;
         (start, number) = (start + length, number + ends);
         if start - reported >= REPORT_EVERY {
-            progress(what, start, text.len())?;
+            task.report(what, start, text.len())?;
             reported = start;
         }
     }
@@ -287,10 +280,10 @@ fn without_comment(line: &str) -> &str {
 }
 
 impl Survey {
-    fn of(text: &[u8], part: Option<&str>, progress: &Progress<'_>) -> Result<Self> {
+    fn of(text: &[u8], part: Option<&str>, task: &Task) -> Result<Self> {
         let parts = Parts { wanted: part.map(str::to_owned), ..Parts::default() };
         let mut survey = Self { parts, ..Self::default() };
-        each_line(text, "counting faces", progress, |number, line| {
+        each_line(text, "counting faces", task, |number, line| {
             survey.line(number, &String::from_utf8_lossy(line))
         })?;
         if survey.counts == [0; 3] && survey.triangles == 0 {
@@ -472,7 +465,7 @@ fn cut_faces(
     mesh: &tobj::Mesh,
     survey: &Survey,
     cutter: &mut PolygonCutter,
-    progress: &Progress<'_>,
+    task: &Task,
     triangles: &mut Vec<[Corner; 3]>,
 ) -> Result<()> {
     let [_, no_uv, no_normal] = survey.lacks;
@@ -492,7 +485,7 @@ fn cut_faces(
         triangles.extend(numbers.chunks_exact(3).map(|t| [0, 1, 2].map(|k| corner(first + t[k] as usize))));
         first += count;
         if first - reported >= CORNERS_A_REPORT {
-            progress("cutting faces into triangles", first, mesh.indices.len())?;
+            task.report("cutting faces into triangles", first, mesh.indices.len())?;
             reported = first;
         }
     }

@@ -2,8 +2,10 @@
 
 use super::super::mesh::tests::assert_sound;
 use super::*;
+use crate::task::Task;
 use proptest::prelude::*;
-use std::cell::{Cell, RefCell};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
@@ -39,7 +41,7 @@ fn a_part_has_the_faces_of_its_object_its_group_or_its_material() {
         "{SQUARE}f 1 2 3\no body\nf 1 2 3\ng back left\nusemtl skin\nf 1 2 3 4\nusemtl eye\nf -1 -2 -3\no tail\nv 0 0 9\nf 1 2 5\n"
     );
     let faces = |part: Option<&str>| {
-        super::parse(text.as_bytes(), part, &|_, _, _| Ok(())).map(|mesh| mesh.triangle_count())
+        super::parse(text.as_bytes(), part, &Task::silent()).map(|mesh| mesh.triangle_count())
     };
     let parts = [None, Some("body"), Some("back"), Some("left"), Some("skin"), Some("eye"), Some("tail")];
     assert_eq!(parts.map(|part| faces(part).unwrap()), [6, 4, 4, 4, 2, 2, 1]);
@@ -130,7 +132,7 @@ fn comments_behind_data_and_comments_that_end_in_a_backslash_leave_the_mesh_as_i
     // A comment is no corner, and a name may have the sign of one.
     assert_refused(&format!("{SQUARE}f 1 2 # 3\n"), "line 5: a face needs 3 corners and has 2");
     let named = format!("{SQUARE}usemtl #25\nf 1 2 3\nusemtl other\nf 1 2 3 4\n");
-    let part = super::parse(named.as_bytes(), Some("#25"), &|_, _, _| Ok(())).unwrap();
+    let part = super::parse(named.as_bytes(), Some("#25"), &Task::silent()).unwrap();
     assert_eq!(part.triangle_count(), 1);
 }
 
@@ -173,28 +175,24 @@ fn a_weight_that_is_no_number_and_a_face_of_too_many_corners_are_refused() {
 #[test]
 fn reading_tells_how_far_it_is_and_ends_at_once_when_it_is_cancelled() {
     let text = strip(100_000);
-    let told = RefCell::new(Vec::new());
-    let tell = |what, done, of| {
-        assert!(done <= of, "{what} {done} of {of}");
-        told.borrow_mut().push((what, done));
-        Ok(())
-    };
-    assert_eq!(super::parse(text.as_bytes(), None, &tell).unwrap().triangle_count(), 100_000);
-    let told = told.into_inner();
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let task = Task::reporting({
+        let told = Arc::clone(&told);
+        move |progress| told.lock().unwrap().push(progress)
+    });
+    assert_eq!(super::parse(text.as_bytes(), None, &task).unwrap().triangle_count(), 100_000);
+    let told = told.lock().unwrap();
+    assert!(told.iter().all(|progress| progress.done <= progress.of), "{told:?}");
     for what in ["counting faces", "reading faces"] {
-        let times = told.iter().filter(|(now, _)| *now == what).count();
+        let times = told.iter().filter(|progress| progress.stage == what).count();
         assert!(times > text.len() / REPORT_EVERY, "{what} {times} times in {} bytes", text.len());
     }
-    // A report that returns an error is the last one.
+    // A report of cancelled work is the last one.
     for last in 1..=told.len() {
-        let calls = Cell::new(0);
-        let cancel = |_: &str, _, _| {
-            calls.set(calls.get() + 1);
-            if calls.get() < last { Ok(()) } else { Err(Error::cancelled()) }
-        };
-        let e = super::parse(text.as_bytes(), None, &cancel).unwrap_err().to_string();
-        assert!(e.starts_with("cancelled"), "{e}");
-        assert_eq!(calls.get(), last);
+        let (task, reports) = Task::cancelled_at(last);
+        let e = super::parse(text.as_bytes(), None, &task).unwrap_err();
+        assert!(e.is_cancelled(), "{e}");
+        assert_eq!(reports.load(Ordering::Relaxed), last);
     }
 }
 
@@ -264,14 +262,13 @@ fn a_weight_of_zero_and_coordinates_out_of_reach_are_refused() {
 #[test]
 fn files_that_are_missing_directories_or_huge_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let nobody = |_: &str, _, _| Ok(());
     let missing = folder.path().join("none.obj");
-    let e = load(&missing, None, &nobody).unwrap_err().to_string();
+    let e = load(&missing, None, &Task::silent()).unwrap_err().to_string();
     assert!(e.contains("none.obj") && e.contains("there is no such file"), "{e}");
-    assert!(load(folder.path(), None, &nobody).unwrap_err().to_string().contains("it is a folder"));
+    assert!(load(folder.path(), None, &Task::silent()).unwrap_err().to_string().contains("it is a folder"));
     let huge = folder.path().join("huge.obj");
     std::fs::File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
-    assert!(load(&huge, None, &nobody).unwrap_err().to_string().contains("more than the"));
+    assert!(load(&huge, None, &Task::silent()).unwrap_err().to_string().contains("more than the"));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Objects of a scene: a mesh with its surface and its position. Options of the program change the first object of a scene alone.
 
-use super::mesh::{Bounds, Mesh, Progress};
+use super::mesh::{Bounds, Mesh};
 use super::{obj, primitives, snake};
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
@@ -8,6 +8,7 @@ use crate::optics::reflectance::{Film, Reflectance};
 use crate::surface::SurfaceSource;
 use crate::surface::prepare::PreparationStep;
 use crate::surface::synth;
+use crate::task::Task;
 use crate::units;
 use glam::{EulerRot, Mat3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -224,14 +225,14 @@ pub(super) fn steps(words: &[String]) -> Result<Vec<PreparationStep>> {
 }
 
 /// Opens the mesh and turns it upright.
-pub(super) fn open_mesh(source: &MeshSource, progress: &Progress<'_>) -> Result<Mesh> {
+pub(super) fn open_mesh(source: &MeshSource, task: &Task) -> Result<Mesh> {
     let MeshSource { name, up, part } = source;
     let built_in = match name.to_str() {
         Some("snake") => upright(snake::mesh()?, Up::Y),
         Some("plate") => primitives::plate(),
         Some("sphere") => upright(primitives::sphere(), Up::Y),
         Some("disc") => primitives::disc(),
-        _ => return Ok(upright(obj::load(name, part.as_deref(), progress)?, *up)),
+        _ => return Ok(upright(obj::load(name, part.as_deref(), task)?, *up)),
     };
     match part {
         None => Ok(built_in),

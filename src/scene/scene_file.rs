@@ -1,5 +1,6 @@
 //! Scene files: TOML, with the built-in scenes as examples (`assets/scenes`).
 
+use super::Mesh;
 use super::camera::Camera;
 use super::display_settings::DisplaySettings;
 use super::environment::{self, Environment, Placement};
@@ -11,12 +12,12 @@ use super::object::{
 };
 use super::scene_document::{Angle, EnvironmentDocument, ObjectDocument, SceneDocument, Triple};
 use super::scene_options::{self, FileOptions};
-use super::{Mesh, Progress};
 use crate::error::{Error, Remedy, Result};
 use crate::input;
 use crate::surface::SurfaceSource;
 use crate::surface::files::EXTENSIONS;
 use crate::surface::synth::SurfaceKind;
+use crate::task::Task;
 use crate::units;
 use glam::Vec3;
 use serde::Deserialize;
@@ -81,7 +82,7 @@ impl EnvironmentDocument {
 
 impl ObjectDocument {
     /// Opens the object; names of files are relative to `folder`.
-    fn open(self, folder: &Path, progress: &Progress<'_>) -> Result<Object> {
+    fn open(self, folder: &Path, task: &Task) -> Result<Object> {
         let Triple(base_color) = self.base_color;
         check_colors(base_color.map(f64::from))?;
         let pose = Pose {
@@ -107,7 +108,7 @@ impl ObjectDocument {
             })
         });
         Ok(Object {
-            mesh: pose.place(open_mesh(&mesh_source, progress)?)?,
+            mesh: pose.place(open_mesh(&mesh_source, task)?)?,
             mesh_source,
             pose,
             surface: surface.transpose()?,
@@ -129,25 +130,25 @@ impl Scene {
     /// # Errors
     /// A name that is neither, or a file that does not hold a scene; the message tells the place and the remedy.
     pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
-        Self::open_telling(name.as_ref(), &|_, _, _| Ok(()))
+        Self::open_telling(name.as_ref(), &Task::silent())
     }
 
-    /// Opens a scene like [`Scene::open`], with reports to `progress` while a mesh file is read.
+    /// Opens a scene like [`Scene::open`], with reports to `task` while a mesh file is read.
     ///
     /// # Errors
-    /// Those of [`Scene::open`] and of `progress`.
-    pub fn open_telling(name: &OsStr, progress: &Progress<'_>) -> Result<Self> {
+    /// Those of [`Scene::open`], and a cancelled task.
+    pub fn open_telling(name: &OsStr, task: &Task) -> Result<Self> {
         if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
             return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {}", name.display())));
         }
         let path = Path::new(name);
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
         match extension.as_str() {
-            "obj" => Self::of_mesh(path, progress),
+            "obj" => Self::of_mesh(path, task),
             "toml" => {
                 let text = input::read_text(path, "a scene file")?;
                 let folder = path.parent().unwrap_or(Path::new(""));
-                let mut scene = Self::read(&text, folder, progress).map_err(|e| e.at(path.display()))?;
+                let mut scene = Self::read(&text, folder, task).map_err(|e| e.at(path.display()))?;
                 scene.files.push(path.to_owned());
                 Ok(scene)
             }
@@ -155,11 +156,11 @@ impl Scene {
         }
     }
 
-    fn of_mesh(path: &Path, progress: &Progress<'_>) -> Result<Self> {
+    fn of_mesh(path: &Path, task: &Task) -> Result<Self> {
         let mut scene = Self::open("sphere")?;
         let object = scene.main_object_mut();
         object.mesh_source = MeshSource { name: path.to_owned(), up: Up::Y, part: None };
-        object.mesh = open_mesh(&object.mesh_source, progress)?;
+        object.mesh = open_mesh(&object.mesh_source, task)?;
         let bounds = object.mesh.bounds();
         scene.files.push(path.to_owned());
         /// Radius of the framed sphere relative to that of the mesh.
@@ -174,10 +175,10 @@ impl Scene {
     /// # Errors
     /// See [`Scene::open`].
     pub fn parse(text: &str, folder: &Path) -> Result<Self> {
-        Self::read(text, folder, &|_, _, _| Ok(()))
+        Self::read(text, folder, &Task::silent())
     }
 
-    fn read(text: &str, folder: &Path, progress: &Progress<'_>) -> Result<Self> {
+    fn read(text: &str, folder: &Path, task: &Task) -> Result<Self> {
         let file: SceneDocument = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
@@ -194,7 +195,7 @@ impl Scene {
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
         let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file().map(PathBuf::from));
-        let (objects, standing_bounds) = objects(file.main_object(), file.objects, ground, folder, progress)?;
+        let (objects, standing_bounds) = objects(file.main_object(), file.objects, ground, folder, task)?;
         Ok(Self {
             files: objects.iter().flat_map(Object::files).chain(environment_file).chain(spectra).collect(),
             objects,
@@ -266,7 +267,7 @@ fn objects(
     others: Vec<ObjectDocument>,
     ground: Option<[f32; 3]>,
     folder: &Path,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<(Vec<Object>, Bounds)> {
     if others.len() + 2 > MAX_OBJECTS {
         return Err(Error::input(
@@ -274,9 +275,9 @@ fn objects(
             format!("give at most {}", MAX_OBJECTS - 2),
         ));
     }
-    let mut objects = vec![main.open(folder, progress)?];
+    let mut objects = vec![main.open(folder, task)?];
     for (i, object) in others.into_iter().enumerate() {
-        objects.push(object.open(folder, progress).map_err(|e| e.at(format!("object {}", i + 1)))?);
+        objects.push(object.open(folder, task).map_err(|e| e.at(format!("object {}", i + 1)))?);
     }
     let meshes: Vec<&Mesh> = objects.iter().map(|object| &object.mesh).collect();
     let bounds = Bounds::enclosing(&meshes);

@@ -1,18 +1,18 @@
 //! BRDF of a height field by the chosen method.
 
-use super::{InUse, Progress, SourceSettings, single_limit, source};
+use super::{InUse, SourceSettings, single_limit, source};
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::{Brdf, DirectSum, MeanFromOrders, MeanReference};
 use crate::error::{Error, Result};
 use crate::optics::coherence::Windows;
 use crate::optics::energy::EnergyLimit;
 use crate::optics::reference::Reference;
-use crate::render::device_brdf::DeviceBrdf;
+use crate::render::device_brdf::{DeviceBrdf, MakeLimit};
 use crate::settings::{Method, Optics};
 use crate::surface::HeightField;
+use crate::task::Task;
 use crate::vk::device::Device;
-use std::cell::OnceCell;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Maximum number of windows whose spectra the cache on disk keeps: more would fill it.
 const CACHED_WINDOWS: u32 = 16;
@@ -27,46 +27,50 @@ pub fn for_each_window(
     field: &HeightField,
     settings: &SourceSettings,
     device: &dyn Fn() -> Result<Arc<Device>>,
-    progress: &Progress<'_>,
+    task: &Task,
     note: &dyn Fn(&Error),
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     let optics = &settings.optics;
     optics.check()?;
     let illuminant = &optics.illuminant;
-    let mean = || -> Result<MeanBrdf<'_>> {
+    let mean = || -> Result<MeanBrdf> {
         let sigma = settings.power_sigma()?;
-        Ok(MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() })
+        Ok(MeanBrdf {
+            field: field.clone(),
+            sigma,
+            beyond: optics.beyond,
+            reflectance: optics.reflectance.clone(),
+        })
     };
     match (optics.method, optics.windows) {
         (Method::Reference, Windows::All) => {
-            let reference = MeanReference::new(mean()?, illuminant, settings.shortest);
-            return ask(&mut reference.telling(progress), 1.0);
+            return ask(&mut MeanReference::new(mean()?, illuminant.clone(), settings.shortest), 1.0);
         }
         (Method::Reference, Windows::Grid(windows)) => {
-            let (limit, too_high) = single_limit(field, settings, progress)?;
+            let (limit, too_high) = single_limit(field, settings, task)?;
             too_high.iter().for_each(note);
             let limit = limit.map(|limit| limit as Arc<dyn EnergyLimit>);
             let reference = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
             let reference = reference.limited(limit);
-            return ask(&mut DirectSum { reference, illuminant }, 1.0);
+            return ask(&mut DirectSum { reference, illuminant: illuminant.clone() }, 1.0);
         }
         (Method::Spectral, Windows::All) => {
-            let mean = MeanFromOrders::new(mean()?, illuminant, optics.tolerance);
-            return ask(&mut mean.telling(progress), 1.0);
+            return ask(&mut MeanFromOrders::new(mean()?, illuminant.clone(), optics.tolerance), 1.0);
         }
         _ => {}
     }
     let device = device()?;
     // All windows share a limit, which colours do not need.
-    let made_limit = OnceCell::new();
-    let limit = || {
+    let made_limit = OnceLock::new();
+    let (of, under) = (field.clone(), settings.clone());
+    let limit: Arc<MakeLimit> = Arc::new(move |task| {
         if let Some(limit) = made_limit.get() {
             return Ok(Option::clone(limit));
         }
-        let (limit, _) = single_limit(field, settings, progress)?;
+        let (limit, _) = single_limit(&of, &under, task)?;
         Ok(made_limit.get_or_init(|| limit).clone())
-    };
+    });
     let mut in_use = InUse::default();
     let mut energy = None;
     // Colour tables contain the average.
@@ -80,11 +84,11 @@ pub fn for_each_window(
         let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
         let cached = n * m <= CACHED_WINDOWS;
         let settings = SourceSettings { optics: one.clone(), shift, cached, ..settings.clone() };
-        let made = source(field, &settings, device.candidate(), &mut in_use, progress)?;
+        let made = source(field, &settings, device.candidate(), &mut in_use, task)?;
         if let Some(error) = &made.note {
             note(error);
         }
-        let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?.limited(&limit);
+        let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?.limited(Arc::clone(&limit));
         // Kept for the next window.
         energy = made.source.energy().cloned().or(energy);
         drop(made);

@@ -1,6 +1,6 @@
 //! Limit of energy of a surface, for single directions and for the colours of pictures.
 
-use super::{InUse, Progress, SourceSettings, Wanted};
+use super::{InUse, SourceSettings, Wanted};
 use crate::brdf::albedo::{Decimation, DirectionalAlbedo};
 use crate::brdf::energy_map::EnergyMap;
 use crate::brdf::mean::MeanBrdf;
@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::optics::coherence::SUNLIGHT_LENGTH;
 use crate::spectra::power::OrderSeries;
 use crate::surface::HeightField;
+use crate::task::Task;
 use std::sync::Arc;
 
 /// Limit of energy, and a note for the user.
@@ -27,16 +28,21 @@ fn too_high() -> Error {
 /// the theory has none.
 ///
 /// # Errors
-/// Fails if there is too little memory, or with the error of `progress`.
+/// Fails if there is too little memory, or if the task is cancelled.
 pub fn single_limit(
     field: &HeightField,
     settings: &SourceSettings,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<Limited<DirectionalAlbedo>> {
     let optics = &settings.optics;
     let sigma = optics.coherence.sigma().unwrap_or(SUNLIGHT_LENGTH / 4.0);
-    let mean = MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() };
-    let limit = TabulatedMean::limit_of(mean, settings.shortest, &|done, of| progress("energy", done, of))?;
+    let mean = MeanBrdf {
+        field: field.clone(),
+        sigma,
+        beyond: optics.beyond,
+        reflectance: optics.reflectance.clone(),
+    };
+    let limit = TabulatedMean::limit_of(mean, settings.shortest, task)?;
     let note = (limit.is_none() && optics.reflectance.is_limited()).then(too_high);
     Ok((limit, note))
 }
@@ -45,12 +51,12 @@ pub fn single_limit(
 /// and cached; none where the theory has none.
 ///
 /// # Errors
-/// Fails if there is too little memory, or with the error of `progress`.
+/// Fails if there is too little memory, or if the task is cancelled.
 pub fn colour_limit(
     field: &HeightField,
     settings: &SourceSettings,
     in_use: &mut InUse,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<Limited<EnergyMap>> {
     let optics = &settings.optics;
     if !optics.reflectance.is_limited() {
@@ -70,9 +76,9 @@ pub fn colour_limit(
         cached: settings.cached,
     };
     let make = |in_use: &mut InUse| {
-        let series = in_use.series(field, &powers, progress)?;
+        let series = in_use.series(field, &powers, task)?;
         let albedo = DirectionalAlbedo::new(&series, &optics.reflectance, Decimation::Coarse);
-        albedo.make_table(&|done, of| progress("energy", done, of))?;
+        albedo.make_table(task)?;
         Ok(EnergyMap::measured(&albedo, &optics.illuminant))
     };
     let (map, note) = wanted.obtain(in_use, |in_use| &mut in_use.energies, make)?;

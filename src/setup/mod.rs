@@ -5,7 +5,6 @@ mod energy;
 mod picture;
 mod pipelines;
 
-pub use crate::brdf::Progress;
 pub use brdf::for_each_window;
 pub use energy::{colour_limit, single_limit};
 pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, picture};
@@ -25,6 +24,7 @@ use crate::spectra::amplitude::{self, LayerSettings, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
 use crate::surface::{HeightField, statistics, tiling};
 use crate::table::{self, ColorTable, TableSettings, bake};
+use crate::task::Task;
 use crate::tolerance;
 use crate::vk::selection::Candidate;
 use std::sync::{Arc, LazyLock, Weak};
@@ -93,7 +93,7 @@ impl InUse {
         &mut self,
         field: &HeightField,
         settings: &PowerSettings,
-        progress: &Progress<'_>,
+        task: &Task,
     ) -> Result<Arc<OrderSeries>> {
         let key = Key::new(&ColorTable::FORMAT, &PowerSettings { error: 0.0, ..*settings }, field)?;
         // A series gets more terms until the measured error suffices.
@@ -104,7 +104,7 @@ impl InUse {
             return Ok(kept.series.clone());
         }
         self.series = None;
-        let series = Arc::new(OrderSeries::new(field, settings, &|done, of| progress("orders", done, of))?);
+        let series = Arc::new(OrderSeries::new(field, settings, task)?);
         if size_of_val(series.coefficients()) <= Self::MOST_KEPT {
             self.series = Some(KeptSeries { key, asked: settings.error, series: series.clone() });
         }
@@ -120,24 +120,24 @@ type Known<T> = Vec<(Key, Weak<T>)>;
 ///
 /// # Errors
 /// Fails for settings that the method does not support, if the data does not fit into the device or this machine, or
-/// with the error of `progress`.
+/// if the task is cancelled.
 pub fn source(
     field: &HeightField,
     settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<Made> {
     settings.optics.check()?;
-    let made = unlimited_source(field, settings, limits, in_use, progress);
+    let made = unlimited_source(field, settings, limits, in_use, task);
     let Made { source, note } = made.map_err(|refusal| {
         tolerance::with_least(refusal, settings.optics.tolerance, |tolerance| {
             let optics = Optics { tolerance, ..settings.optics.clone() };
             let settings = SourceSettings { optics, ..settings.clone() };
-            check_source(field, &settings, limits, in_use, progress)
+            check_source(field, &settings, limits, in_use, task)
         })
     })?;
-    let (energy, other) = colour_limit(field, settings, in_use, progress)?;
+    let (energy, other) = colour_limit(field, settings, in_use, task)?;
     Ok(Made { source: source.limited(energy), note: note.or(other) })
 }
 
@@ -147,7 +147,7 @@ fn unlimited_source(
     settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<Made> {
     let optics = &settings.optics;
     match (optics.method, optics.coherence) {
@@ -156,11 +156,11 @@ fn unlimited_source(
             [Remedy::SpectralMethod, Remedy::TableMethod],
         )),
         (Method::Table, _) => {
-            let (table, note) = table(field, settings, limits, in_use, progress)?;
+            let (table, note) = table(field, settings, limits, in_use, task)?;
             Ok(Made { source: Source::Table(Table { table, energy: None }), note })
         }
         (Method::Spectral, Coherence::Gaussian { length }) => {
-            let (layers, note) = layers(field, settings, length / 4.0, limits, in_use, progress)?;
+            let (layers, note) = layers(field, settings, length / 4.0, limits, in_use, task)?;
             Ok(Made { source: Source::window(layers), note })
         }
         (Method::Spectral, Coherence::Repeats(copies)) => {
@@ -168,7 +168,7 @@ fn unlimited_source(
             // Shifting a grating is equivalent to shifting the surface.
             let begun = field.begun_at(settings.shift);
             let settings = SourceSettings { shift: [0.0; 2], ..settings.clone() };
-            let (layers, note) = layers(&begun, &settings, f64::INFINITY, limits, in_use, progress)?;
+            let (layers, note) = layers(&begun, &settings, f64::INFINITY, limits, in_use, task)?;
             Ok(Made { source: Source::Grating(Grating { layers, repeats, energy: None }), note })
         }
     }
@@ -181,14 +181,14 @@ fn check_source(
     settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<()> {
     settings.optics.check()?;
     if settings.optics.method == Method::Table {
-        let series = in_use.series(field, &settings.power_settings()?, progress)?;
+        let series = in_use.series(field, &settings.power_settings()?, task)?;
         return table::check(&series, &settings.table_settings(limits));
     }
-    unlimited_source(field, settings, limits, in_use, progress).map(drop)
+    unlimited_source(field, settings, limits, in_use, task).map(drop)
 }
 
 /// Returns spectra through a Gaussian window of standard deviation `sigma` \[µm\], or of one period if `sigma` is
@@ -199,7 +199,7 @@ fn layers(
     sigma: f64,
     limits: &Candidate,
     in_use: &mut InUse,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<(Arc<Layers>, Option<Error>)> {
     let layers = layer_settings(&settings.optics, sigma, settings.shortest, limits)?;
     let key = amplitude::cache::key(field, &layers, settings.shift)?;
@@ -209,8 +209,7 @@ fn layers(
         memory_limit: amplitude::cache::memory_limit(&layers),
         cached: settings.cached,
     };
-    let make =
-        |_: &mut InUse| compute_at(field, &layers, settings.shift, &|done, of| progress("spectra", done, of));
+    let make = |_: &mut InUse| compute_at(field, &layers, settings.shift, task);
     wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
 }
 
@@ -220,7 +219,7 @@ fn table(
     settings: &SourceSettings,
     limits: &Candidate,
     in_use: &mut InUse,
-    progress: &Progress<'_>,
+    task: &Task,
 ) -> Result<(Arc<ColorTable>, Option<Error>)> {
     check_patch(field, settings.optics.beyond)?;
     let baked = settings.table_settings(limits);
@@ -232,8 +231,8 @@ fn table(
     };
     let powers = settings.power_settings()?;
     let make = |in_use: &mut InUse| {
-        let series = in_use.series(field, &powers, progress)?;
-        bake(&series, &baked, &|done, of| progress("colours", done, of))
+        let series = in_use.series(field, &powers, task)?;
+        bake(&series, &baked, task)
     };
     wanted.obtain(in_use, |in_use| &mut in_use.tables, make)
 }

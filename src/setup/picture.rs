@@ -14,6 +14,7 @@ use crate::scene::{Light, Mesh, Object, Scene};
 use crate::settings::{Method, Optics};
 use crate::spectra::power::OrderSeries;
 use crate::surface::{HeightField, SurfaceSource};
+use crate::task::Task;
 use crate::vk::device::Device;
 use std::slice;
 use std::sync::Arc;
@@ -148,14 +149,14 @@ impl ObjectSurface {
 }
 
 /// Scene on a device, ready to be drawn from several views; meshes, pigments and sources are shared.
-pub struct PreparedScene<'a> {
-    settings: &'a PictureSettings,
+pub struct PreparedScene {
+    settings: PictureSettings,
     shown: Shown,
     source: Source,
     renderer: Renderer,
 }
 
-impl<'a> PreparedScene<'a> {
+impl PreparedScene {
     /// Prepares the data that pictures of `scene` share; its objects have these `surfaces`. `make` makes the source of
     /// each from settings with footprint sizes for all of `views`.
     ///
@@ -163,8 +164,8 @@ impl<'a> PreparedScene<'a> {
     /// Fails if a picture cannot be read, if the device is lost or out of memory, or with the error of `make`.
     pub fn new(
         device: &Arc<Device>,
-        (scene, surfaces): (&'a Scene, &[ObjectSurface]),
-        settings: &'a PictureSettings,
+        (scene, surfaces): (&Scene, &[ObjectSurface]),
+        settings: &PictureSettings,
         views: &[View],
         mut make: impl FnMut(&ObjectSurface) -> Result<Source>,
     ) -> Result<Self> {
@@ -180,7 +181,7 @@ impl<'a> PreparedScene<'a> {
         let shadows = RendererSettings { shadows: scene.shadows, ..RendererSettings::default() };
         let renderer = Renderer::new(device, &objects, size, shadows)?;
         let source = sources.swap_remove(0).first.source;
-        Ok(Self { settings, shown: Shown::of(scene), source, renderer })
+        Ok(Self { settings: settings.clone(), shown: Shown::of(scene), source, renderer })
     }
 
     /// Checks that a picture of `view` is within the limits of the source.
@@ -197,13 +198,12 @@ impl<'a> PreparedScene<'a> {
         self.source.check(optics, &seen)
     }
 
-    /// Draws `view`, which must pass [`Self::check`]. Calls `progress` with the number of samples done after each; an
-    /// error it returns ends the picture.
+    /// Draws `view`, which must pass [`Self::check`].
     ///
     /// # Errors
-    /// Fails if the device is lost or out of memory, or with the error of `progress`.
-    pub fn draw(&mut self, view: &View, progress: &mut dyn FnMut(u32) -> Result<()>) -> Result<Picture> {
-        self.renderer.render(view, &self.settings.sampling, self.shown, progress)
+    /// Fails if the device is lost or out of memory, or if the task is cancelled.
+    pub fn draw(&mut self, view: &View, task: &Task) -> Result<Picture> {
+        self.renderer.render(view, &self.settings.sampling, self.shown, task)
     }
 
     /// Sets the display settings of the following pictures, in place of the scene's.
@@ -236,12 +236,13 @@ impl<'a> PreparedScene<'a> {
 /// [`SourceSettings::cached`] is set.
 ///
 /// # Errors
-/// Same as [`source`]; also fails if a pigment texture cannot be read, or if the device is lost or out of memory.
+/// Same as [`source`]; also fails if a pigment texture cannot be read, if the device is lost or out of memory, or if the task is cancelled.
 pub fn picture(
     device: &Arc<Device>,
     scene: &Scene,
     field: &HeightField,
     settings: &PictureSettings,
+    task: &Task,
 ) -> Result<Picture> {
     let view = own_view(scene, &settings.source.optics);
     let field = Arc::new(field.clone());
@@ -249,7 +250,7 @@ pub fn picture(
     let mut in_use = InUse::default();
     let make = |surface: &ObjectSurface| match &surface.field {
         Some(field) => {
-            let made = source(field, &surface.source, device.candidate(), &mut in_use, &|_, _, _| Ok(()))?;
+            let made = source(field, &surface.source, device.candidate(), &mut in_use, task)?;
             Ok(made.source)
         }
         None => Ok(pigment_alone()),
@@ -257,5 +258,5 @@ pub fn picture(
     let mut prepared =
         PreparedScene::new(device, (scene, &surfaces), settings, slice::from_ref(&view), make)?;
     prepared.check(&view)?;
-    prepared.draw(&view, &mut |_| Ok(()))
+    prepared.draw(&view, task)
 }

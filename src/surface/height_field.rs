@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Remedy, Result};
 use crate::notes::PreparationRecord;
+use std::sync::Arc;
 
 /// The longest side, in samples, that is accepted. Keeps every index product far from overflow and a field within
 /// a few gigabytes of memory.
@@ -11,13 +12,13 @@ pub const MAX_SIDE: usize = 16_384;
 const LARGEST_HEIGHT: f64 = 1e9;
 
 /// Heights on a regular grid. Row 0 is the top of a height image: `x` grows along a row, `y` grows UP, so row 0 has
-/// the largest `y`. The origin is the patch centre; samples sit at cell centres.
+/// the largest `y`. The origin is the patch centre; samples sit at cell centres. Clones share the heights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     columns: usize,
     rows: usize,
     pixel_size: [f64; 2],
-    heights: Vec<f64>,
+    heights: Arc<Vec<f64>>,
     prepared: PreparationRecord,
 }
 
@@ -53,7 +54,13 @@ impl HeightField {
                 [Remedy::Words("check the unit of the heights".into())],
             ));
         }
-        Ok(Self { columns, rows, pixel_size, heights, prepared: PreparationRecord::default() })
+        Ok(Self {
+            columns,
+            rows,
+            pixel_size,
+            heights: heights.into(),
+            prepared: PreparationRecord::default(),
+        })
     }
 
     /// Returns the field of `columns` × `rows` samples of the surface z = `height`(x, y), `pixel_size` \[µm\] apart. x and y are \[µm\]
@@ -100,9 +107,9 @@ impl HeightField {
         &self.heights
     }
 
-    /// Returns all heights \[µm\], without a copy of them.
+    /// Returns all heights \[µm\], without a copy of them if there is no other clone of the field.
     pub fn into_heights(self) -> Vec<f64> {
-        self.heights
+        Arc::unwrap_or_clone(self.heights)
     }
 
     /// Returns the steps that made these heights of the measured ones.
@@ -142,7 +149,10 @@ impl HeightField {
     pub fn moved(&self, columns: usize, rows: usize) -> Self {
         let row = |r: usize| self.row((r + self.rows - rows % self.rows) % self.rows);
         let cell = |r: usize, c: usize| row(r)[(c + columns) % self.columns];
-        let heights = (0..self.rows).flat_map(|r| (0..self.columns).map(move |c| cell(r, c))).collect();
+        let heights = (0..self.rows)
+            .flat_map(|r| (0..self.columns).map(move |c| cell(r, c)))
+            .collect::<Vec<_>>()
+            .into();
         Self { heights, prepared: self.prepared.clone(), ..*self }
     }
 

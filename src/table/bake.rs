@@ -13,6 +13,7 @@ use crate::optics::reflectance::MeanReflectance;
 use crate::optics::spectrum::{BLUE, MIDDLE};
 use crate::optics::theory::Theory;
 use crate::spectra::power::{OrderReader, OrderSeries, Square};
+use crate::task::Task;
 use glam::{DVec2, Vec4};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -29,12 +30,8 @@ const USUAL_W: f64 = 1.7;
 /// Bakes the table of the surface of `series`.
 ///
 /// # Errors
-/// Limits or memory that do not suffice; errors of `progress`.
-pub fn bake(
-    series: &OrderSeries,
-    settings: &TableSettings,
-    progress: &dyn Fn(usize, usize) -> Result<()>,
-) -> Result<ColorTable> {
+/// Limits or memory that do not suffice; a cancelled task.
+pub fn bake(series: &OrderSeries, settings: &TableSettings, task: &Task) -> Result<ColorTable> {
     let reader = OrderReader::new(series);
     let spectrum = DirectionWavelengths::new(series, settings);
     let Plan { projection, grid, coherence_blur, effective_orders } =
@@ -43,7 +40,7 @@ pub fn bake(
     check_room(&grid, layers, settings)?;
     let sums = Sums::new(&reader, &spectrum, projection.basis.pieces);
     let width = layers * PER_TEXEL;
-    let finest = bake_finest(&sums, &projection, &grid, progress)?;
+    let finest = bake_finest(&sums, &projection, &grid, task)?;
     let unit = unit_of(&finest);
     let mut mips = vec![Vec::new(); grid.mips()];
     let mut current = finest;
@@ -53,7 +50,7 @@ pub fn bake(
             current = next_level(&current, width, level, &grid);
         }
     }
-    progress(1, 1)?;
+    task.report(COLOURS, 1, 1)?;
     let specular = Specular::new(series, settings);
     let held = settings.reflectance.as_ref();
     let mean_reflectance = held.filter(|r| r.theory() == Theory::Stam).map(MeanReflectance::new);
@@ -156,22 +153,19 @@ const ROOM: f64 = 512.0 * 1024.0 * 1024.0;
 /// Texels along a side of the squares that are summed at once.
 const TILE: usize = 16;
 
-/// Rows of tiles between two calls of `progress`, for each thread.
+/// Name of the work in reports of progress.
+const COLOURS: &str = "colours";
+/// Rows of tiles between two reports of progress, for each thread.
 const TILE_ROWS: usize = 2;
 
 /// Sums the texels of the finest level, `[row][column][number]`.
-fn bake_finest(
-    sums: &Sums<'_>,
-    projection: &Projection,
-    grid: &TableGrid,
-    progress: &dyn Fn(usize, usize) -> Result<()>,
-) -> Result<Vec<f32>> {
+fn bake_finest(sums: &Sums<'_>, projection: &Projection, grid: &TableGrid, task: &Task) -> Result<Vec<f32>> {
     let width = projection.basis.layers() * PER_TEXEL;
     let mut finest = vec![0f32; grid.side * grid.side * width];
     let tile_row = TILE * grid.side * width;
     let rows_at_once = TILE_ROWS * rayon::current_num_threads();
     for (batch, rows) in finest.chunks_mut(rows_at_once * tile_row).enumerate() {
-        progress(batch * rows_at_once * TILE, grid.side)?;
+        task.report(COLOURS, batch * rows_at_once * TILE, grid.side)?;
         rows.par_chunks_mut(tile_row).enumerate().for_each_init(
             Scratch::default,
             |scratch, (row, texels)| {

@@ -18,18 +18,19 @@ use crate::random::Random;
 use crate::spectra::power::{Beyond, OrderReader, OrderSeries, PowerSettings, Square};
 use crate::surface::HeightField;
 use crate::surface::synth::{self, Spec, SurfaceKind};
+use crate::task::Task;
 use glam::{DVec2, DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 
 const IOR: f64 = 1.5;
 
 fn series(field: &HeightField, sigma: f64, tolerance: f64) -> OrderSeries {
-    OrderSeries::new(field, &PowerSettings::new(sigma, Beyond::Copies, tolerance), &|_, _| Ok(())).unwrap()
+    OrderSeries::new(field, &PowerSettings::new(sigma, Beyond::Copies, tolerance), &Task::silent()).unwrap()
 }
 
 fn table(series: &OrderSeries, tolerance: f64, finest: f64) -> ColorTable {
     let settings = TableSettings { finest, ..TableSettings::new(Illuminant::D65, tolerance) };
-    bake(series, &settings, &|_, _| Ok(())).unwrap()
+    bake(series, &settings, &Task::silent()).unwrap()
 }
 
 fn pairs(count: usize, seed: u64) -> Vec<Pair> {
@@ -147,14 +148,18 @@ fn colours_of_metals_keep_the_tolerance() {
             reflectance: Some(reflectance.clone()),
             ..TableSettings::new(Illuminant::D65, tolerance)
         };
-        let table = bake(&series, &settings, &|_, _| Ok(())).unwrap();
-        let mean =
-            MeanBrdf { field: &field, sigma, beyond: Beyond::Copies, reflectance: reflectance.clone() };
-        let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+        let table = bake(&series, &settings, &Task::silent()).unwrap();
+        let mean = MeanBrdf {
+            field: field.clone(),
+            sigma,
+            beyond: Beyond::Copies,
+            reflectance: reflectance.clone(),
+        };
+        let exact = TabulatedMean::new(mean, 0.38, &Task::silent()).unwrap();
         let reader = TableReader::new(&table);
         let pairs = pairs(300, 3);
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, Covariance::default())).collect();
-        let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
+        let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &Task::silent()).unwrap();
         let colours: Vec<DVec3> =
             pairs.iter().map(|pair| reader.xyz(pair, &reflectance, &Covariance::default())).collect();
         let (l2, each) = errors(&colours, &exact);
@@ -167,8 +172,8 @@ fn colours_of_metals_keep_the_tolerance() {
 fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
     let (sigma, tolerance) = (3.0, 2e-2);
-    let mean = MeanBrdf { field: &field, sigma, beyond: Beyond::Copies, reflectance: IOR.into() };
-    let exact = TabulatedMean::new(mean, 0.38, &|_, _| Ok(())).unwrap();
+    let mean = MeanBrdf { field: field.clone(), sigma, beyond: Beyond::Copies, reflectance: IOR.into() };
+    let exact = TabulatedMean::new(mean, 0.38, &Task::silent()).unwrap();
     let table = table(&series(&field, sigma, tolerance), tolerance, 0.0);
     let reader = TableReader::new(&table);
     for footprint in [
@@ -179,7 +184,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     ] {
         let pairs = pairs(300, 3);
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, footprint)).collect();
-        let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
+        let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &Task::silent()).unwrap();
         let colours: Vec<DVec3> =
             pairs.iter().map(|pair| reader.xyz(pair, &IOR.into(), &footprint)).collect();
         let (l2, each) = errors(&colours, &exact);
@@ -285,7 +290,7 @@ fn light_of_one_wavelength_takes_one_texel() {
     std::fs::write(&file, "588,0\n589,1\n590,0\n").unwrap();
     let field = synth::generate(&Spec { patch: Some([12.0; 2]), ..Spec::new(SurfaceKind::Elaphe) }).unwrap();
     let series = series(&field, 3.0, 2e-2);
-    let table = |illuminant| bake(&series, &TableSettings::new(illuminant, 2e-2), &|_, _| Ok(())).unwrap();
+    let table = |illuminant| bake(&series, &TableSettings::new(illuminant, 2e-2), &Task::silent()).unwrap();
     let sodium = table(Illuminant::from_name_or_file(&file).unwrap()).header.basis;
     assert_eq!(sodium.texels(), 1, "{} pieces", sodium.pieces);
     assert!(table(Illuminant::D65).header.basis.texels() > 1);

@@ -7,9 +7,9 @@ use crate::render::directions::Directions;
 use crate::render::frame::View;
 use crate::render::reference_picture::{covered, reference_pixels};
 use crate::render::renderer::Renderer;
+use crate::task::{Progress, Task};
 use glam::DVec3;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Number of pixels that are compared.
 const PIXELS: usize = 300;
@@ -87,7 +87,7 @@ pub enum ProbeStatus {
 
 /// Measurement in the background. Dropping it cancels the measurement without waiting.
 pub struct ErrorProbe {
-    stop: Arc<AtomicBool>,
+    task: Task,
 }
 
 impl ErrorProbe {
@@ -95,20 +95,19 @@ impl ErrorProbe {
     ///
     /// # Errors
     /// Fails if the system refuses a thread.
-    pub fn new(probe: ProbeTask, reply: impl Fn(Result<ProbeStatus>) + Send + 'static) -> Result<Self> {
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = stop.clone();
+    pub fn new(
+        probe: ProbeTask,
+        reply: impl Fn(Result<ProbeStatus>) + Send + Sync + 'static,
+    ) -> Result<Self> {
+        let reply = Arc::new(reply);
+        let task = Task::reporting({
+            let reply = Arc::clone(&reply);
+            move |Progress { done, of, .. }| reply(Ok(ProbeStatus::Running(done as f32 / of.max(1) as f32)))
+        });
+        let running = task.clone();
         let work = move || {
-            let stopped = || stopped.load(Ordering::Relaxed);
-            let progress = |done: usize, of: usize| {
-                if stopped() {
-                    return Err(Error::cancelled());
-                }
-                reply(Ok(ProbeStatus::Running(done as f32 / of.max(1) as f32)));
-                Ok(())
-            };
-            let errors = probe.errors(&progress);
-            if !stopped() {
+            let errors = probe.errors(&running);
+            if !running.is_cancelled() {
                 reply(errors.map(ProbeStatus::Done));
             }
         };
@@ -119,22 +118,22 @@ impl ErrorProbe {
             )
             .caused_by(e)
         })?;
-        Ok(Self { stop })
+        Ok(Self { task })
     }
 }
 
 impl ProbeTask {
-    fn errors(&self, progress: &dyn Fn(usize, usize) -> Result<()>) -> Result<PixelErrors> {
+    fn errors(&self, task: &Task) -> Result<PixelErrors> {
         let (field, optics) = (&self.prepared.field, self.prepared.optics());
         let ProbeSamples { radiance, directions } = &self.samples;
         let pixels: Vec<usize> = (0..radiance.len()).collect();
-        let exact = reference_pixels(field, optics, &self.view, directions, &pixels, progress)?;
+        let exact = reference_pixels(field, optics, &self.view, directions, &pixels, task)?;
         Ok(PixelErrors::of(radiance, &exact, self.exposure))
     }
 }
 
 impl Drop for ErrorProbe {
     fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.task.cancel();
     }
 }

@@ -13,6 +13,7 @@ use crate::scene::Mesh;
 use crate::setup::{self, InUse, ObjectSurface, SourceSettings};
 use crate::surface::statistics::Relief;
 use crate::surface::{HeightField, SurfaceSource};
+use crate::task::{Progress, Task};
 use crate::vk::device::Device;
 use crate::vk::selection::Candidate;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,16 +74,39 @@ struct Waiting {
     begun: bool,
 }
 
-/// Newest request of each role, shared between the window's thread and the worker.
+/// Newest request of each role, and the one that is being done.
+#[derive(Default)]
+struct Requests {
+    waiting: [Option<Waiting>; ROLES],
+    running: Option<(Role, Task)>,
+}
+
+impl Requests {
+    /// Returns true if a request at least as urgent as those for `role` waits.
+    fn interrupt(&self, role: Role) -> bool {
+        self.waiting[..=role as usize].iter().any(Option::is_some)
+    }
+
+    /// Cancels the request that is being done if it is to give way.
+    fn make_way(&self) {
+        if let Some((role, task)) = &self.running
+            && self.interrupt(*role)
+        {
+            task.cancel();
+        }
+    }
+}
+
+/// Requests that the window's thread and the worker share.
 #[derive(Default)]
 struct RequestQueue {
-    requests: Mutex<[Option<Waiting>; ROLES]>,
+    requests: Mutex<Requests>,
     changed: Condvar,
     stop: AtomicBool,
 }
 
 impl RequestQueue {
-    fn requests(&self) -> MutexGuard<'_, [Option<Waiting>; ROLES]> {
+    fn requests(&self) -> MutexGuard<'_, Requests> {
         self.requests.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -99,29 +123,49 @@ impl RequestQueue {
             }
             // The main setting is begun before its preview, because it may be in the cache; otherwise it gives way at
             // its first step.
-            let foremost = requests[Role::Own as usize].take_if(|waiting| !waiting.begun);
-            if let Some(waiting) = foremost.or_else(|| requests.iter_mut().find_map(Option::take)) {
+            let foremost = requests.waiting[Role::Own as usize].take_if(|waiting| !waiting.begun);
+            if let Some(waiting) = foremost.or_else(|| requests.waiting.iter_mut().find_map(Option::take)) {
                 return Some(waiting.request);
             }
             requests = self.changed.wait(requests).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    /// Returns true if work for `role` is to be abandoned, because the worker is to end or a request at least as urgent
-    /// waits.
-    fn interrupts(&self, role: Role) -> bool {
-        self.is_stopped() || self.requests()[..=role as usize].iter().any(Option::is_some)
+    /// Names `task` as that of the request for `role` that is being done.
+    fn begin(&self, role: Role, task: &Task) {
+        let mut requests = self.requests();
+        requests.running = Some((role, task.clone()));
+        requests.make_way();
+    }
+
+    /// Adds a request in place of the former one of its role.
+    fn add(&self, request: Request) {
+        let mut requests = self.requests();
+        let role = request.role as usize;
+        requests.waiting[role] = Some(Waiting { request, begun: false });
+        requests.make_way();
+        self.changed.notify_one();
     }
 
     /// Puts back an interrupted request, unless a newer one has replaced it.
     fn put_back(&self, request: Request) {
         let role = request.role as usize;
-        self.requests()[role].get_or_insert(Waiting { request, begun: true });
+        self.requests().waiting[role].get_or_insert(Waiting { request, begun: true });
+    }
+
+    /// Ends the worker, and what it does.
+    fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+        // The lock ensures that the thread either has yet to read `stop` or is waiting already.
+        if let Some((_, task)) = &self.requests().running {
+            task.cancel();
+        }
+        self.changed.notify_one();
     }
 
     /// Drops the preview of request `number`, which is done.
     fn skip_preview(&self, number: u64) {
-        self.requests()[Role::Preview as usize].take_if(|waiting| waiting.request.number < number);
+        self.requests().waiting[Role::Preview as usize].take_if(|waiting| waiting.request.number < number);
     }
 }
 
@@ -140,7 +184,7 @@ impl Worker {
     pub fn new(
         limits: &Candidate,
         device: Option<Arc<Device>>,
-        reply: impl Fn(WorkerReply) + Send + 'static,
+        reply: impl Fn(WorkerReply) + Send + Sync + 'static,
     ) -> Result<Self> {
         let queue = Arc::<RequestQueue>::default();
         let requests = queue.clone();
@@ -152,6 +196,7 @@ impl Worker {
             of_objects: Vec::new(),
             in_use: InUse::default(),
         };
+        let reply: Arc<Reply> = Arc::new(reply);
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
             Error::memory(
@@ -165,23 +210,21 @@ impl Worker {
 
     /// Requests a setting. It replaces the former request of its role, even one in progress.
     pub fn request(&self, request: Request) {
-        let role = request.role as usize;
-        self.queue.requests()[role] = Some(Waiting { request, begun: false });
-        self.queue.changed.notify_one();
+        self.queue.add(request);
     }
 }
 
 impl Drop for Worker {
     fn drop(&mut self) {
-        self.queue.stop.store(true, Ordering::Relaxed);
-        // The lock ensures that the thread either has yet to read `stop` or is waiting already.
-        drop(self.queue.requests());
-        self.queue.changed.notify_one();
+        self.queue.stop();
         if let Some(thread) = self.thread.take() {
             let _ = thread.join(); // the thread reports its errors itself
         }
     }
 }
+
+/// Receiver of the worker's replies.
+type Reply = dyn Fn(WorkerReply) + Send + Sync;
 
 /// State of the worker thread.
 struct Preparer {
@@ -197,17 +240,15 @@ struct Preparer {
 }
 
 impl Preparer {
-    fn run(&mut self, queue: &RequestQueue, reply: &dyn Fn(WorkerReply)) {
+    fn run(&mut self, queue: &RequestQueue, reply: &Arc<Reply>) {
         while let Some(request) = queue.next() {
             let role = request.role;
-            let progress = |_: &'static str, done: usize, of: usize| {
-                if queue.interrupts(role) {
-                    return Err(Error::cancelled());
-                }
-                reply(WorkerReply::Progress { role, done, of });
-                Ok(())
-            };
-            match self.prepare(&request, &progress, reply) {
+            let task = Task::reporting({
+                let reply = Arc::clone(reply);
+                move |Progress { done, of, .. }| reply(WorkerReply::Progress { role, done, of })
+            });
+            queue.begin(role, &task);
+            match self.prepare(&request, &task, &**reply) {
                 _ if queue.is_stopped() => {}
                 Ok((prepared, note)) => {
                     if role == Role::Own {
@@ -215,7 +256,7 @@ impl Preparer {
                     }
                     reply(WorkerReply::Ready(role, prepared, note));
                 }
-                Err(_) if queue.interrupts(role) => queue.put_back(request),
+                Err(e) if e.is_cancelled() => queue.put_back(request),
                 Err(e) => reply(WorkerReply::Failed(role, request.number, e)),
             }
         }
@@ -225,25 +266,25 @@ impl Preparer {
     fn prepare(
         &mut self,
         request: &Request,
-        progress: &setup::Progress<'_>,
-        reply: &dyn Fn(WorkerReply),
+        task: &Task,
+        reply: &Reply,
     ) -> Result<(Arc<Prepared>, Option<Error>)> {
         let field = self.field(&request.surface)?;
         if matches!(request.role, Role::Own | Role::Preview) {
             reply(WorkerReply::Field(field.clone()));
         }
         let mut note = None;
-        let objects =
-            match &request.picture {
-                Some(picture) => self.objects(request, &field, picture, &mut note, progress)?,
-                None => {
-                    let picture_source =
-                        ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
-                    vec![picture_source.sources(&[], &mut |picture_source| {
-                        self.source(picture_source, &mut note, progress)
-                    })?]
-                }
-            };
+        let objects = match &request.picture {
+            Some(picture) => self.objects(request, &field, picture, &mut note, task)?,
+            None => {
+                let picture_source =
+                    ObjectSurface { field: Some(field.clone()), source: request.settings.clone() };
+                vec![
+                    picture_source
+                        .sources(&[], &mut |picture_source| self.source(picture_source, &mut note, task))?,
+                ]
+            }
+        };
         let relief = self.relief(&field, request.role);
         let optics = &request.settings.optics;
         let colour = LightColour::Spectrum(&optics.illuminant);
@@ -271,7 +312,7 @@ impl Preparer {
         field: &Arc<HeightField>,
         picture: &RequestedPicture,
         note: &mut Option<Error>,
-        progress: &setup::Progress<'_>,
+        task: &Task,
     ) -> Result<Vec<ObjectSources>> {
         let scene = &picture.loaded.scene;
         let mut known = std::mem::take(&mut self.of_objects);
@@ -293,7 +334,7 @@ impl Preparer {
         self.of_objects = known;
         let surfaces = surfaces?;
         let objects = surfaces.iter().zip(scene.meshes());
-        objects.map(|(surface, mesh)| self.object(surface, mesh, picture, note, progress)).collect()
+        objects.map(|(surface, mesh)| self.object(surface, mesh, picture, note, task)).collect()
     }
 
     /// Makes the sources of an object with this `surface` and `mesh`. The last `note` for the user is kept.
@@ -303,7 +344,7 @@ impl Preparer {
         mesh: &Mesh,
         picture: &RequestedPicture,
         note: &mut Option<Error>,
-        progress: &setup::Progress<'_>,
+        task: &Task,
     ) -> Result<ObjectSources> {
         let RequestedPicture { views, size, sampling, .. } = picture;
         let surface = match &self.device {
@@ -312,18 +353,13 @@ impl Preparer {
             }
             _ => surface.clone(),
         };
-        surface.sources(views, &mut |picture_source| self.source(picture_source, note, progress))
+        surface.sources(views, &mut |picture_source| self.source(picture_source, note, task))
     }
 
     /// Makes the source of `surface` under one illuminant.
-    fn source(
-        &mut self,
-        surface: &ObjectSurface,
-        note: &mut Option<Error>,
-        progress: &setup::Progress<'_>,
-    ) -> Result<Source> {
+    fn source(&mut self, surface: &ObjectSurface, note: &mut Option<Error>, task: &Task) -> Result<Source> {
         let Some(field) = &surface.field else { return Ok(setup::pigment_alone()) };
-        let made = setup::source(field, &surface.source, &self.limits, &mut self.in_use, progress)?;
+        let made = setup::source(field, &surface.source, &self.limits, &mut self.in_use, task)?;
         *note = made.note.or(note.take());
         Ok(made.source)
     }

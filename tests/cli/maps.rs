@@ -12,6 +12,7 @@ use diffract::optics::spectrum::{Illuminant, observer};
 use diffract::optics::theory::Theory;
 use diffract::surface::HeightField;
 use diffract::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::task::Task;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -98,7 +99,7 @@ impl Subject {
         let light = direction(theta, phi);
         let parts: Vec<Vec<(DVec3, f64)>> = views(SIDE).map(|(_, view)| parts(view)).collect();
         let pairs: Vec<Pair> = parts.iter().flatten().map(|(view, _)| Pair::new(light, *view)).collect();
-        let xyz = nufft::cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap();
+        let xyz = nufft::cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &Task::silent()).unwrap();
         let mut values = xyz.into_iter().map(|f| xyz_to_linear_srgb(f / light.z));
         parts
             .iter()

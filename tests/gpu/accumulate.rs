@@ -10,6 +10,7 @@ use diffract::render::renderer::{Picture, PictureRequest, Renderer};
 use diffract::render::sampling::{PixelWeights, Sample, Sampling};
 use diffract::scene::{Camera, Light, Scene};
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use std::sync::Arc;
@@ -30,7 +31,7 @@ fn view(scene: &Scene) -> View {
 }
 
 fn all(renderer: &mut Renderer, view: &View, sampling: Sampling) -> Picture {
-    renderer.render(view, &sampling, SHOWN, &mut |_| Ok(())).unwrap()
+    renderer.render(view, &sampling, SHOWN, &Task::silent()).unwrap()
 }
 
 /// The largest relative difference of colours, and the largest difference of alpha.
@@ -105,7 +106,7 @@ fn a_picture_is_the_mean_of_its_samples_each_drawn_alone() {
         }
         // So it is by another tone.
         let neutral = Shown { tone: Tone::Neutral, ..SHOWN };
-        let shown = renderer.render(&view, &sampling, neutral, &mut |_| Ok(())).unwrap().display;
+        let shown = renderer.render(&view, &sampling, neutral, &Task::silent()).unwrap().display;
         for (code, expected) in shown.iter().zip(&displayed(&mean.radiance, neutral)) {
             assert!((0..4).all(|c| code[c].abs_diff(expected[c]) <= 1), "{code:?}, expected {expected:?}");
         }

@@ -12,6 +12,7 @@ use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::{Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::{DVec2, DVec3};
 
@@ -20,7 +21,7 @@ fn by_reference(field: &HeightField, optics: &Optics, queries: &[Query]) -> Vec<
     const EACH: usize = 30;
     let reference = Reference::new(field, optics.coherence, [1, 1], optics.reflectance.clone());
     let pairs: Vec<Pair> = queries.iter().map(|q| q.pair).collect();
-    let colours = cosine_weighted_xyz(&reference, &optics.illuminant, &pairs, &|_, _| Ok(())).unwrap();
+    let colours = cosine_weighted_xyz(&reference, &optics.illuminant, &pairs, &Task::silent()).unwrap();
     for (pair, colour) in pairs.iter().zip(&colours).step_by(EACH) {
         let direct = reference.cosine_weighted_xyz(pair, &optics.illuminant).unwrap();
         let apart = (*colour - direct).length();
@@ -46,7 +47,7 @@ fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
 fn layers(device: &Device, field: &HeightField, optics: &Optics) -> Layers {
     let sigma = optics.coherence.sigma().unwrap();
     let settings = diffract::setup::layer_settings(optics, sigma, 0.38, device.candidate()).unwrap();
-    compute(field, &settings, &|_, _| Ok(())).unwrap()
+    compute(field, &settings, &Task::silent()).unwrap()
 }
 
 fn meet_their_tolerance(kind: SurfaceKind, side: f64, length: f64, seed: u64, bases: &[(Basis, f64)]) {

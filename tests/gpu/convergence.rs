@@ -10,6 +10,7 @@ use diffract::render::sampling::Sampling;
 use diffract::scene::{Light, Scene};
 use diffract::settings::Method;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use glam::{DVec3, DVec4};
 
 const SIZE: [u32; 2] = [96, 54];
@@ -63,7 +64,7 @@ fn many_samples_show_what_many_more_pixels_show() {
         // Of so many samples: what is measured, and a quarter on top. If samples counted for their own pixels alone, 64 would err by 0.109.
         for (count, allowed) in [(1, 0.67), (16, 0.145), (64, 0.066), (256, 0.028), (1024, 0.014)] {
             let sampling = Sampling { count, seed: 1 };
-            let picture = small.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+            let picture = small.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
             let found = colours(&picture.radiance, &exact);
             eprintln!("{count} samples against {FINER} x {FINER} pixels each: {found:.4}");
             assert!(found <= allowed, "{count} samples: {found}");

@@ -15,6 +15,7 @@ use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -79,7 +80,7 @@ pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source
 /// `source` within the limit of energy of `field` under `optics`, as the program draws it.
 pub fn limited(source: Source, field: &HeightField, optics: &Optics) -> Source {
     let settings = SourceSettings { cached: false, ..SourceSettings::new(optics.clone()) };
-    let (energy, _) = colour_limit(field, &settings, &mut InUse::default(), &|_, _, _| Ok(())).unwrap();
+    let (energy, _) = colour_limit(field, &settings, &mut InUse::default(), &Task::silent()).unwrap();
     source.limited(energy)
 }
 
@@ -93,7 +94,7 @@ pub fn layers(field: &HeightField, optics: &Optics) -> Layers {
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
-    compute(field, &settings, &|_, _| Ok(())).unwrap()
+    compute(field, &settings, &Task::silent()).unwrap()
 }
 
 /// f cos θ_i of every query on the device.

@@ -9,6 +9,7 @@ use diffract::optics::spectrum::Illuminant;
 use diffract::render::upload;
 use diffract::spectra::power::Beyond;
 use diffract::surface::HeightField;
+use diffract::task::Task;
 use diffract::vk::access::Access;
 use diffract::vk::buffer::Buffer;
 use diffract::vk::commands::Commands;
@@ -79,7 +80,7 @@ fn exported(folder: &Path) {
         footprint: 0.04,
         most_bytes: None,
     };
-    let material = ExportedMaterial::new(&field, &settings, &|_, _, _| Ok(())).unwrap();
+    let material = ExportedMaterial::new(&field, &settings, &Task::silent()).unwrap();
     let mut description = MaterialDescription::new(&field, &settings, &material, String::new()).unwrap();
     write(folder, &material, &mut description).unwrap();
 }

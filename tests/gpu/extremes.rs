@@ -22,6 +22,7 @@ use diffract::spectra::amplitude::texels::{HALF_UNIT, Texels};
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -54,7 +55,7 @@ fn layers_of(field: &HeightField, optics: &Optics) -> Result<Layers> {
         memory_limit: 64 << 20,
         side_limit: 4096,
     };
-    compute(field, &settings, &|_, _| Ok(()))
+    compute(field, &settings, &Task::silent())
 }
 
 /// Every polar angle against every other and every turn, at the ends and in the middle of the visible.
@@ -310,12 +311,12 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
                 memory_limit: 1 << 30,
                 side_limit: 16_384,
             };
-            let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+            let layers = compute(&field, &settings, &Task::silent()).unwrap();
             let source = limited(grating(&layers, copies, &field), &field, &optics);
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, size).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
-            let exact = reference_picture(&field, &optics, &view, &directions, &|_, _| Ok(())).unwrap();
+            let exact = reference_picture(&field, &optics, &view, &directions, &Task::silent()).unwrap();
             assert!(picture.radiance.iter().flatten().all(|x| x.is_finite()), "{copies:?}");
             let errors = [0, 1, 2].map(|c| channel(&picture.radiance, &exact, c));
             eprintln!("repeats: {copies:?}: {errors:.5?}");

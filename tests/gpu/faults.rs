@@ -17,6 +17,7 @@ use diffract::scene::{Light, Scene};
 use diffract::settings::{Method, Optics};
 use diffract::spectra::amplitude::{LayerSettings, compute};
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use diffract::vk::instance::Instance;
 use diffract::vk::mask::Mask;
@@ -101,7 +102,7 @@ fn a_picture_through_repeats_fails_cleanly_at_each_of_its_allocations_and_succee
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
-    let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+    let layers = compute(&field, &settings, &Task::silent()).unwrap();
     let scene = Scene::open("plate").unwrap();
     with_device(|device| {
         let source = grating(&layers, copies, &field);
@@ -123,7 +124,7 @@ fn a_profile_and_what_a_window_adds_fail_cleanly_at_each_of_their_allocations() 
             let mesh = &scene.main_object().mesh;
             let mut renderer =
                 crate::renderer(device, &window(&layers), &optics, mesh, &Pigment::white(), [16, 12])?;
-            let times = profile::measure(&mut renderer, &view, 3, 1.0, &|_, _| Ok(()))?;
+            let times = profile::measure(&mut renderer, &view, 3, 1.0, &Task::silent())?;
             let rates = profile::rates(&mut renderer, 16 * 12)?;
             renderer.directions(&view, 0)?;
             renderer.cosine_weighted(&queries(3, 5))?;

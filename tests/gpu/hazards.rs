@@ -13,6 +13,7 @@ use diffract::render::sampling::Sampling;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::access::Access;
 use diffract::vk::device::Device;
 use diffract::vk::hazards::{RecordedEvent, Resource, check};
@@ -110,7 +111,7 @@ fn pictures_from_spectra_tables_and_windows_have_all_their_barriers() {
                 // A frame and its read-back, the accumulation of several, and another size.
                 renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
                 let sampling = Sampling { count: 3, seed: 1 };
-                renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+                renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
                 renderer.display(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
                 renderer.read_back().unwrap();
                 renderer.directions(&view, lights - 1).unwrap();
@@ -176,7 +177,7 @@ fn a_picture_before_its_surroundings_and_under_a_lamp_has_all_its_barriers() {
     with_device(|device| {
         let events = recorded_pictures(device, &scene, |renderer| {
             renderer.render_plain(&view, SHOWN.exposure, SHOWN.background).unwrap();
-            renderer.render(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
+            renderer.render(&view, &Sampling { count: 3, seed: 1 }, SHOWN, &Task::silent()).unwrap();
             renderer.display(SIZE, Shown { exposure: 1.0, ..SHOWN }).unwrap();
             renderer.read_back().unwrap();
         });
@@ -197,7 +198,7 @@ fn a_depth_map_is_drawn_where_its_light_has_moved() {
     view.environment = Some(Environment::open("sky").unwrap());
     with_device(|device| {
         let events = recorded_pictures(device, &scene, |renderer| {
-            renderer.render(&view, &Sampling { count: 16, seed: 1 }, SHOWN, &mut |_| Ok(())).unwrap();
+            renderer.render(&view, &Sampling { count: 16, seed: 1 }, SHOWN, &Task::silent()).unwrap();
         });
         let maps: Vec<Resource> = events
             .iter()

@@ -18,6 +18,7 @@ use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
 use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -93,7 +94,7 @@ fn a_white_floor_is_as_bright_as_closed_forms_say() {
             let mut renderer =
                 crate::renderer(device, &source, &optics, &mesh, &Pigment::white(), SIZE).unwrap();
             let sampling = Sampling { count: 256, seed: 4 };
-            let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+            let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
             for i in [0, 20, 15 * 40 + 20, 29 * 40 + 39] {
                 let (found, exact) = (f64::from(picture.radiance[i][1]), brightness(&lamp, point(&view, i)));
                 eprintln!("{text}: {found:.4}, {exact:.4}");
@@ -129,7 +130,7 @@ fn a_white_floor_is_white_under_discs_and_under_any_number_of_samples_of_white_s
             let mut renderer =
                 crate::renderer(device, &source, &optics, &mesh, &Pigment::white(), SIZE).unwrap();
             let picture =
-                renderer.render(&view, &Sampling { count, seed: 4 }, SHOWN, &mut |_| Ok(())).unwrap();
+                renderer.render(&view, &Sampling { count, seed: 4 }, SHOWN, &Task::silent()).unwrap();
             let pixels = picture.radiance.iter().map(|pixel| f64::from(pixel[1]));
             let number = picture.radiance.len() as f64;
             let mean = pixels.clone().sum::<f64>() / number;
@@ -198,7 +199,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
         let mut found = new(&probe);
         let sample = Sampling { count: 16, seed: 3 }.sample(6);
         let seen = [0, 1].map(|light| found.directions_of(&view, light, &sample).unwrap());
-        let exact = reference_picture(&field, &optics, &view, &seen, &|_, _| Ok(())).unwrap();
+        let exact = reference_picture(&field, &optics, &view, &seen, &Task::silent()).unwrap();
         let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let mut renderer = new(&source);
         renderer.draw_sample(&view, &sample, SHOWN).unwrap();
@@ -229,7 +230,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
         let mut one_sample = None;
         for count in [1, 2, 8] {
             let sampling = Sampling { count, seed: 1 };
-            let picture = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let picture = renderer.render(&view, &sampling, shown, &Task::silent()).unwrap();
             let expected = displayed_of(&view, size, &picture.radiance, shown);
             // However many samples the foreground has, the background is seen at the pixel centres.
             let first = one_sample.get_or_insert_with(|| picture.clone());
@@ -280,7 +281,7 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             );
             // Before a colour again.
             let plain = View { shows_surroundings: false, ..view.clone() };
-            let picture = renderer.render(&plain, &sampling, shown, &mut |_| Ok(())).unwrap();
+            let picture = renderer.render(&plain, &sampling, shown, &Task::silent()).unwrap();
             let black = display_over(DVec3::ZERO, 0.0, Tone::None, 0.0, DVec3::ZERO);
             let uncovered = picture.radiance.iter().zip(&picture.display).filter(|(r, _)| r[3] == 0.0);
             assert!(uncovered.map(|(_, code)| [code[0], code[1], code[2]]).all(|code| code == black));

@@ -11,6 +11,7 @@ use diffract::render::sampling::Sampling;
 use diffract::scene::{Environment, Light, Scene};
 use diffract::settings::Method;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use glam::{DVec3, Vec3};
 
 const SIZE: [u32; 2] = [48, 36];
@@ -37,7 +38,7 @@ fn alone_and_together(view: &View, alone: Sampling, together: Sampling) -> [Vec<
         let mut renderer =
             crate::renderer_with(device, &source, &optics, mesh, SIZE, crate::shadows(true)).unwrap();
         let mut paint = |view: &View, sampling: &Sampling| {
-            renderer.render(view, sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
+            renderer.render(view, sampling, SHOWN, &Task::silent()).unwrap().radiance
         };
         let under = |lights: &[Light], environment: &Option<Environment>| View {
             lights: lights.to_vec(),

@@ -26,6 +26,7 @@ use diffract::scene::{Camera, Corner, Environment, FarLight, Light, Mesh, Scene}
 use diffract::settings::{Method, Optics};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -69,7 +70,7 @@ fn radiance(
     let source = source(device, field, optics, Method::Table, FootprintSizes::default());
     let mut renderer = crate::renderer_of(device, scene, &source, optics, SIZE).unwrap();
     let mean = |sampling: &Sampling| {
-        let picture = renderer.render(view, sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = renderer.render(view, sampling, SHOWN, &Task::silent()).unwrap();
         let inside = picture.radiance.iter().filter(|p| p[3] == 1.0);
         let (sum, count) = inside.fold((DVec3::ZERO, 0.0), |(sum, count), p| {
             (sum + DVec3::new(p[0].into(), p[1].into(), p[2].into()), count + 1.0)
@@ -162,8 +163,9 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
         for (view, allowed, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
             let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
-            let reference =
-                |seen: &[Directions]| reference_picture(&field, &optics, view, seen, &|_, _| Ok(())).unwrap();
+            let reference = |seen: &[Directions]| {
+                reference_picture(&field, &optics, view, seen, &Task::silent()).unwrap()
+            };
             let source = source(device, &field, &optics, Method::Table, sizes);
             let mut renderer = crate::renderer(device, &source, &optics, mesh, &white, SIZE).unwrap();
             renderer.draw_sample(view, &sample, SHOWN).unwrap();
@@ -190,8 +192,8 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
 fn albedo(field: &HeightField, optics: &Optics, theta: f64) -> DVec3 {
     let sigma = optics.coherence.sigma().unwrap();
     let reflectance = optics.reflectance.clone();
-    let mean = MeanBrdf { field, sigma, beyond: optics.beyond, reflectance };
-    let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap().limited(Decimation::Coarse);
+    let mean = MeanBrdf { field: field.clone(), sigma, beyond: optics.beyond, reflectance };
+    let table = TabulatedMean::new(mean, SHORTEST, &Task::silent()).unwrap().limited(Decimation::Coarse);
     let view = direction(theta, 0.0);
     // Fine against the blur of the orders by coherence, λ/(√8 π σ) ≥ 0.02; the lattice adds its own.
     const SIDE: i32 = 160;
@@ -203,7 +205,7 @@ fn albedo(field: &HeightField, optics: &Optics, theta: f64) -> DVec3 {
         .filter(|(x, y)| x * x + y * y < 1.0)
         .map(|(x, y)| (Pair::new(DVec3::new(x, y, (1.0 - x * x - y * y).sqrt()), view), own))
         .collect();
-    let weighted = table.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap();
+    let weighted = table.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &Task::silent()).unwrap();
     let sum: DVec3 =
         pairs.iter().zip(weighted).map(|((pair, _), xyz)| xyz / pair.light.z * (step * step)).sum();
     xyz_to_linear_srgb(sum)
@@ -221,8 +223,8 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
         // In f64, over directions spread evenly within the disc.
         let sigma = optics.coherence.sigma().unwrap();
         let reflectance = optics.reflectance.clone();
-        let mean = MeanBrdf { field: &field, sigma, beyond: optics.beyond, reflectance };
-        let table = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap().limited(Decimation::Coarse);
+        let mean = MeanBrdf { field: field.clone(), sigma, beyond: optics.beyond, reflectance };
+        let table = TabulatedMean::new(mean, SHORTEST, &Task::silent()).unwrap().limited(Decimation::Coarse);
         let view = DVec3::new(0.3f64.sin(), 0.0, 0.3f64.cos());
         let centre = direction(disc.theta, disc.phi);
         let edge = (0.5 * disc.size).to_radians().cos();
@@ -238,8 +240,11 @@ fn a_disc_of_light_is_the_mean_over_its_points() {
                 (Pair::new(light, view), Covariance::default())
             })
             .collect();
-        let sum: DVec3 =
-            table.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap().into_iter().sum();
+        let sum: DVec3 = table
+            .xyz(&Illuminant::D65, &pairs, SummedOrders::All, &Task::silent())
+            .unwrap()
+            .into_iter()
+            .sum();
         let exact = xyz_to_linear_srgb(sum / POINTS as f64) * PI;
         let relative = |f: DVec3| (f - exact).length() / exact.length();
         let errors: Vec<f64> = found.iter().map(|f| relative(*f)).collect();
@@ -284,7 +289,7 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
         let (object, settings) = ((&mesh, &Pigment::white()), crate::shadows(shadows));
         let mut renderer = crate::renderer_with(device, &source, &optics, object, SIZE, settings).unwrap();
         let sampling = Sampling { count: samples, seed: 2 };
-        let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
         picture.radiance.iter().skip(1).step_by(3).map(|p| f64::from(p[1])).collect()
     };
     // The picture's top is the far end, x < 0. The floor is seen at 45 degrees.
@@ -391,7 +396,7 @@ fn no_single_sample_at_a_silhouette_outshines_all_others() {
         let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
         let [few, more, most] = [16, 64, 256].map(|count| {
             let sampling = Sampling { count, seed: 1 };
-            renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap().radiance
+            renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap().radiance
         });
         let (few, more) = (colours(&few, &most), colours(&more, &most));
         eprintln!("the snake from 16 samples differs from 256 by {few:.3}, from 64 by {more:.3}");

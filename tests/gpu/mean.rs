@@ -31,6 +31,7 @@ use diffract::settings::{Method, Optics};
 use diffract::setup::{self, InUse, SourceSettings};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
@@ -51,14 +52,14 @@ pub fn source(
 ) -> Source {
     let settings = SourceSettings::new(Optics { method, ..optics.clone() });
     let settings = SourceSettings { cached: false, footprints, ..settings };
-    setup::source(field, &settings, device.candidate(), &mut InUse::default(), &|_, _, _| Ok(()))
+    setup::source(field, &settings, device.candidate(), &mut InUse::default(), &Task::silent())
         .unwrap()
         .source
 }
 
-fn mean<'a>(field: &'a HeightField, optics: &Optics) -> MeanBrdf<'a> {
+fn mean(field: &HeightField, optics: &Optics) -> MeanBrdf {
     let sigma = optics.coherence.sigma().unwrap();
-    MeanBrdf { field, sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() }
+    MeanBrdf { field: field.clone(), sigma, beyond: optics.beyond, reflectance: optics.reflectance.clone() }
 }
 
 /// Twice as high.
@@ -87,8 +88,8 @@ fn colours_by_a_table_meet_their_tolerance() {
         ] {
             let field = patch(kind, side);
             let any = optics(length, 1.0);
-            let table = TabulatedMean::new(mean(&field, &any), SHORTEST, &|_, _| Ok(())).unwrap();
-            let exact = table.xyz(&any.illuminant, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
+            let table = TabulatedMean::new(mean(&field, &any), SHORTEST, &Task::silent()).unwrap();
+            let exact = table.xyz(&any.illuminant, &asked, SummedOrders::All, &Task::silent()).unwrap();
             for tolerance in tolerances {
                 let optics = optics(length, tolerance);
                 let answers = |field: &HeightField| {
@@ -126,10 +127,10 @@ fn materials_and_films_keep_the_tolerance_by_every_source() {
             let reflectance = Reflectance::of_material(material(name), film).polarised(light);
             let of = |windows| Optics { windows, reflectance: reflectance.clone(), ..optics(8.0, tolerance) };
             let whole = || mean(&field, &of(Windows::All));
-            let table = TabulatedMean::new(whole(), SHORTEST, &|_, _| Ok(())).unwrap();
+            let table = TabulatedMean::new(whole(), SHORTEST, &Task::silent()).unwrap();
             let table = table.limited(Decimation::Coarse);
-            let limit = TabulatedMean::limit_of(whole(), SHORTEST, &|_, _| Ok(())).unwrap();
-            let exact = table.xyz(&Illuminant::D65, &asked, SummedOrders::All, &|_, _| Ok(())).unwrap();
+            let limit = TabulatedMean::limit_of(whole(), SHORTEST, &Task::silent()).unwrap();
+            let exact = table.xyz(&Illuminant::D65, &asked, SummedOrders::All, &Task::silent()).unwrap();
             let one = Reference::new(&field, of(Windows::ONE).coherence, [1, 1], reflectance.clone())
                 .limited(limit.map(|limit| limit as Arc<dyn EnergyLimit>));
             let of_window: Vec<DVec3> =
@@ -187,14 +188,14 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance;
-        let exact = reference_picture(&field, &optics, &view, &seen, &|_, _| Ok(())).unwrap();
+        let exact = reference_picture(&field, &optics, &view, &seen, &Task::silent()).unwrap();
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
         let found = errors(&paint(&view));
         eprintln!("pictures by a table: {found:.4?}");
         // Without footprints the reference is another picture.
         let points: Vec<Directions> =
             seen.iter().map(|seen| Directions { footprints: Vec::new(), ..seen.clone() }).collect();
-        let sharp = reference_picture(&field, &optics, &view, &points, &|_, _| Ok(())).unwrap();
+        let sharp = reference_picture(&field, &optics, &view, &points, &Task::silent()).unwrap();
         let without = [0, 1, 2].map(|c| channel(&sharp, &exact, c));
         let mut moved = view.clone();
         moved.lights[0] = Light::point(50.0, -40.0, 2.0);
@@ -232,7 +233,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
         let optics = Optics { reflectance: reflectance.clone(), ..optics(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
             let seen = directions(device, &scene, &view);
-            let exact = reference_picture(&field, &optics, &view, &seen, &|_, _| Ok(())).unwrap();
+            let exact = reference_picture(&field, &optics, &view, &seen, &Task::silent()).unwrap();
             let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
             let found = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
@@ -259,9 +260,9 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
         let object = ReferenceObject { field: Some(&field), optics: &optics };
         let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
-        let exact = reference_mean(&[object], &view, &samples, &mut seen, &|_, _| Ok(())).unwrap();
+        let exact = reference_mean(&[object], &view, &samples, &mut seen, &Task::silent()).unwrap();
         let source = source(device, &field, &optics, Method::Table, least);
-        let found = new(&source).render(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
+        let found = new(&source).render(&view, &sampling, shown, &Task::silent()).unwrap().radiance;
         let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
         eprintln!("16 samples: {errors:.4?}");
         assert!(errors.iter().all(|&e| e <= TABLE_OF_SAMPLES), "{errors:?}");
@@ -287,13 +288,13 @@ fn a_turntable_does_not_shimmer() {
         let source = source(device, &field, &optics, Method::Table, sizes_of(&first));
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
-        let reference = PixelReference::new(&field, &optics, &|_, _| Ok(())).unwrap();
+        let reference = PixelReference::new(&field, &optics, &Task::silent()).unwrap();
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {
             let view = view_of(frame);
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
             let found = pixels.iter().map(|&i| Vec4::from(picture[i]).truncate().as_dvec3()).collect();
             let seen = directions(device, &scene, &view);
-            [found, reference.colors(&view, 0, &seen, &pixels, &|_, _| Ok(())).unwrap()]
+            [found, reference.colors(&view, 0, &seen, &pixels, &Task::silent()).unwrap()]
         };
         let all: Vec<[Vec<DVec3>; 2]> = (0..FRAMES).map(&mut colors_of).collect();
         // RMS change of all pixels from each frame to the next, relative to the mean brightness of both.

@@ -17,6 +17,7 @@ use diffract::scene::{Grooves, Light, Scene};
 use diffract::settings::{Method, Optics};
 use diffract::setup::pigment_alone;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::DVec3;
 use std::path::Path;
@@ -116,8 +117,8 @@ fn each_object_of_a_scene_is_drawn_as_it_would_be_alone_where_nothing_stands_bef
         );
         // Sums of samples and tiles take the same way.
         let sampling = Sampling { count: 3, seed: 3 };
-        let whole = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
-        let again = renderer.render(&view, &sampling, shown, &mut |_| Ok(())).unwrap();
+        let whole = renderer.render(&view, &sampling, shown, &Task::silent()).unwrap();
+        let again = renderer.render(&view, &sampling, shown, &Task::silent()).unwrap();
         assert!(whole == again && whole.radiance != together.radiance);
     });
 }

@@ -12,6 +12,7 @@ use diffract::scene::{Light, Scene};
 use diffract::settings::Optics;
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -46,7 +47,7 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
             let optics = optics(8.0, tolerance);
             let (picture, directions) = paint(device, &field, &optics, &scene, &view);
             let exact = exact.get_or_insert_with(|| {
-                reference_picture(&field, &optics, &view, &directions, &|_, _| Ok(())).unwrap()
+                reference_picture(&field, &optics, &view, &directions, &Task::silent()).unwrap()
             });
             let covered = exact.iter().filter(|p| p[3] == 1.0).count();
             assert!(covered > 1000, "only {covered} pixels are covered");

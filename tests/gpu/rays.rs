@@ -23,6 +23,7 @@ use diffract::scene::environment::Placement;
 use diffract::scene::{Camera, Environment, Grooves, Light, Mesh, Scene};
 use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::{DVec2, DVec3, Vec3};
 use std::path::Path;
@@ -398,10 +399,10 @@ fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampl
     let mut directions = |pass: &LightPass| Ok(rays.directions(&view, pass, &settings));
     let of_first = |light| rays.directions(&view, &LightPass::of_all(light, sampling.sample(0)), &settings);
     let sizes = sizes_of(&(0..view.light_count()).map(of_first).collect::<Vec<_>>());
-    let exact = reference_mean(&[object], &view, &samples, &mut directions, &|_, _| Ok(())).unwrap();
+    let exact = reference_mean(&[object], &view, &samples, &mut directions, &Task::silent()).unwrap();
     let source = source(device, &field, &optics, Method::Table, sizes);
     let mut renderer = renderer_of(device, scene, &source, &optics);
-    let picture = renderer.render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+    let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
     colours(&picture.radiance, &exact)
 }
 

@@ -19,6 +19,7 @@ use diffract::settings::Optics;
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::vk::device::Device;
 use glam::DVec3;
 use std::sync::Arc;
@@ -41,7 +42,7 @@ fn layers(field: &HeightField, optics: &Optics) -> Layers {
         memory_limit: 1 << 30,
         side_limit: 16_384,
     };
-    compute(field, &settings, &|_, _| Ok(())).unwrap()
+    compute(field, &settings, &Task::silent()).unwrap()
 }
 
 /// A picture through the copies that `optics` names, with the directions that it shaded.
@@ -74,7 +75,7 @@ fn answers_through_repeats_are_the_reference_within_their_tolerance() {
             let exact: Vec<DVec3> = {
                 let reference = Reference::new(&field, Coherence::Repeats(copies), [1, 1], 1.5);
                 let pairs: Vec<_> = queries.iter().map(|query| query.pair).collect();
-                cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &|_, _| Ok(())).unwrap()
+                cosine_weighted_xyz(&reference, &Illuminant::D65, &pairs, &Task::silent()).unwrap()
             };
             let answers = |copies| {
                 let optics = optics(copies, tolerance);
@@ -117,7 +118,7 @@ fn pictures_meet_their_tolerance(cases: &[(SurfaceKind, f64, [u32; 2], [u32; 2])
                 let (picture, directions) = paint(device, &field, &optics(copies, tolerance), &scene, &view);
                 let exact = exact.get_or_insert_with(|| {
                     let optics = optics(copies, tolerance);
-                    reference_picture(&field, &optics, &view, &directions, &|_, _| Ok(())).unwrap()
+                    reference_picture(&field, &optics, &view, &directions, &Task::silent()).unwrap()
                 });
                 let errors = errors(&picture, exact);
                 eprintln!("{kind:?} through {copies:?} at {tolerance:e}: {errors:.5?}");

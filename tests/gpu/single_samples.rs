@@ -18,6 +18,7 @@ use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Light, Scene};
 use diffract::settings::{Method, Optics};
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use glam::{DVec3, Vec3};
 
 const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3::ZERO };
@@ -64,9 +65,9 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
         let object = ReferenceObject { field: Some(&field), optics: &optics };
         let samples = ReferenceSamples { sampling: &sampling, size, chosen: &|_| true };
         let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
-        let exact = reference_mean(&[object], &view, &samples, &mut of_pass, &|_, _| Ok(())).unwrap();
+        let exact = reference_mean(&[object], &view, &samples, &mut of_pass, &Task::silent()).unwrap();
         let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
-        let picture = new(&source).render(&view, &sampling, SHOWN, &mut |_| Ok(())).unwrap();
+        let picture = new(&source).render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
         error = colours(&picture.radiance, &exact);
     });
     error

@@ -14,6 +14,7 @@ use diffract::scene::{Environment, Light, Scene};
 use diffract::settings::{Method, Optics};
 use diffract::spectra::amplitude::{Layers, compute};
 use diffract::surface::synth::SurfaceKind;
+use diffract::task::Task;
 use diffract::viewer::error_probe::{ProbeSamples, samples};
 use diffract::vk::device::Device;
 use glam::{DVec3, Vec3};
@@ -91,7 +92,7 @@ fn pixels_that_are_compared_with_the_reference_keep_their_light_and_their_footpr
         renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let ProbeSamples { radiance, directions } = samples(&mut renderer, &view).unwrap();
         let pixels: Vec<usize> = (0..radiance.len()).collect();
-        let exact = reference_pixels(&field, &optics, &view, &directions, &pixels, &|_, _| Ok(())).unwrap();
+        let exact = reference_pixels(&field, &optics, &view, &directions, &pixels, &Task::silent()).unwrap();
         let square = |v: DVec3| v.length_squared();
         let apart: f64 = radiance.iter().zip(&exact).map(|(a, b)| square(*a - *b)).sum();
         let error = (apart / exact.iter().map(|b| square(*b)).sum::<f64>()).sqrt();
@@ -147,7 +148,7 @@ fn what_is_left_out_first_while_moving_costs_the_least_error() {
         let drawn = |optics: &Optics| {
             let sigma = optics.coherence.sigma().unwrap();
             let settings = diffract::setup::layer_settings(optics, sigma, 0.38, device.candidate()).unwrap();
-            let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+            let layers = compute(&field, &settings, &Task::silent()).unwrap();
             let mut renderer = crate::renderer_of(device, &scene, &window(&layers), optics, SIZE).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];

@@ -14,6 +14,7 @@ use diffract::optics::spectrum::Illuminant;
 use diffract::optics::theory::Theory;
 use diffract::spectra::power::{OrderSeries, PowerSettings};
 use diffract::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::task::Task;
 use glam::DVec3;
 
 const ANGLES: [f64; 8] = [0.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0];
@@ -34,7 +35,7 @@ fn materials(kind: SurfaceKind) -> Vec<Reflectance> {
 fn series(kind: SurfaceKind) -> OrderSeries {
     let field = generate(&Spec::new(kind)).unwrap();
     let settings = PowerSettings::new(65.0 / 4.0, Beyond::Copies, 1e-2);
-    OrderSeries::new(&field, &settings, &|_, _| Ok(())).unwrap()
+    OrderSeries::new(&field, &settings, &Task::silent()).unwrap()
 }
 
 /// Returns linear sRGB of the light that is sent toward `view` from a white sky, where each direction is divided by

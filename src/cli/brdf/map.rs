@@ -6,7 +6,7 @@
 use super::Arguments;
 use crate::brdf::Brdf;
 use crate::cli::options::OpticsOptions;
-use crate::cli::progress::Progress;
+use crate::cli::progress::ProgressBar;
 use crate::cli::say;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
@@ -20,6 +20,7 @@ use crate::settings::Optics;
 use crate::setup::SourceSettings;
 use crate::spectra::power::Blur;
 use crate::surface::HeightField;
+use crate::task::Task;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -58,11 +59,11 @@ impl HemisphereMap {
             parts.warn();
             let rule = gauss_legendre(parts.count);
             let directions = views(side, 0..side).count() * rule.len().pow(2) * arguments.light.len();
+            let bar = ProgressBar::over("directions", "a smaller --size", directions);
             // Figures alone say it.
             if arguments.plot.is_some() {
-                of_orders = albedo(arguments, brdf)?;
+                of_orders = albedo(arguments, brdf, &bar.task_of_parts())?;
             }
-            let bar = Progress::new("directions", "a smaller --size").over(directions);
             // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
             let rows = (evaluation::AT_ONCE as u32 / (side * parts.count.pow(2))).max(1);
             for first in (0..side).step_by(rows as usize) {
@@ -177,18 +178,18 @@ impl PixelParts {
 }
 
 /// Returns the sum over the orders of the share of all lights that is sent into all directions, as a map sums it.
-fn albedo(arguments: &Arguments, brdf: &mut dyn Brdf) -> Result<Option<f64>> {
+fn albedo(arguments: &Arguments, brdf: &dyn Brdf, task: &Task) -> Result<Option<f64>> {
     let mut sum = 0.0;
     for light in &arguments.light {
         let toward = direction(light.theta, light.phi);
-        let Some(sent) = brdf.albedo(toward, arguments.wavelength)? else { return Ok(None) };
+        let Some(sent) = brdf.albedo(toward, arguments.wavelength, task)? else { return Ok(None) };
         sum += sent * light.intensity;
     }
     Ok(Some(sum))
 }
 
 /// Returns the linear sRGB toward `views`, all lights summed.
-fn shade(arguments: &Arguments, brdf: &mut dyn Brdf, views: &[DVec3], bar: &Progress) -> Result<Vec<DVec3>> {
+fn shade(arguments: &Arguments, brdf: &dyn Brdf, views: &[DVec3], bar: &ProgressBar) -> Result<Vec<DVec3>> {
     let mut sums = vec![DVec3::ZERO; views.len()];
     for light in &arguments.light {
         let toward = direction(light.theta, light.phi);

@@ -1,7 +1,7 @@
 //! Readings of a spectrophotometer: colours and spectra toward single directions, or averaged over an aperture.
 
 use crate::brdf::Brdf;
-use crate::cli::progress::Progress;
+use crate::cli::progress::ProgressBar;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
 use crate::optics::color::{adapted_to_d65, display, xyz_to_linear_srgb};
@@ -76,8 +76,11 @@ impl Detector<'_> {
         let mut spectra = vec![vec![0.0; cones.len()]; self.wavelengths.len()];
         prepare::for_each_window(field, &settings, wish, |brdf, share| {
             let count: usize = cones.iter().map(|cone| cone.pairs.len()).sum();
-            let bar = Progress::new("directions", "a smaller number of readings")
-                .over(count * (1 + self.wavelengths.len()));
+            let bar = ProgressBar::over(
+                "directions",
+                "a smaller number of readings",
+                count * (1 + self.wavelengths.len()),
+            );
             for (place, cone) in cones.iter().enumerate() {
                 colours[place] += cone.mean(brdf, None, &bar)? * share;
                 for (spectrum, wavelength) in spectra.iter_mut().zip(self.wavelengths) {
@@ -132,7 +135,7 @@ impl Cone {
     }
 
     /// Returns the mean of f \[sr⁻¹\] over the cone, at `wavelength` \[µm\] or as XYZ.
-    fn mean(&self, brdf: &mut dyn Brdf, wavelength: Option<f64>, bar: &Progress) -> Result<DVec3> {
+    fn mean(&self, brdf: &mut dyn Brdf, wavelength: Option<f64>, bar: &ProgressBar) -> Result<DVec3> {
         brdf.average_over(self.deviation);
         let found = evaluation::ask(brdf, &self.pairs, wavelength, bar)?;
         Ok(found.iter().zip(&self.weights).map(|(f, weight)| *f * *weight).sum())

@@ -4,7 +4,7 @@ use super::{Arguments, NM_PER_UM, excess_of_sum, is_written, rounded};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
-use crate::cli::progress::Progress;
+use crate::cli::progress::ProgressBar;
 use crate::cli::range::Range;
 use crate::cli::{evaluation, prepare, say, write};
 use crate::error::{Error, Result};
@@ -14,6 +14,7 @@ use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::optics::validity::{AngleErrors, LightColour, ScalarTheory};
 use crate::surface::HeightField;
 use crate::surface::statistics::Relief;
+use crate::task::{Progress, Task};
 
 /// Largest height of a sweep \[nm\].
 const HIGHEST: f64 = 1e5;
@@ -175,11 +176,11 @@ pub fn of(
     let shortest = points.iter().flatten().map(|at| at.wavelength).fold(f64::INFINITY, f64::min);
     prepare::warn_of_coarse_samples(field, shortest);
     let count = points.iter().map(Vec::len).sum();
-    let bar = Progress::new("orders", "a range with larger steps");
+    let bar = ProgressBar::new("orders", "a range with larger steps");
     let mut done = 0;
     let mut stretched: Option<StretchedSurface> = None;
     let mut of_point = |conditions: &Conditions| -> Result<SweepPoint> {
-        bar.show("orders", done, count)?;
+        bar.show(&Progress { stage: "orders", done, of: count });
         done += 1;
         let scale = if height > 0.0 { conditions.height / height } else { 1.0 };
         // Only a sweep of heights has more than one.
@@ -222,7 +223,7 @@ fn point(
     let light = direction(theta, phi);
     let in_light = |polarisation: Polarisation| {
         let reflectance = reflectance.clone().polarised(polarisation);
-        MeanBrdf::in_sunlight(&surface.cell, reflectance).orders(light, wavelength, &|_, _| Ok(()))
+        MeanBrdf::in_sunlight(&surface.cell, reflectance).orders(light, wavelength, &Task::silent())
     };
     let mean = in_light(Polarisation::None)?;
     let is_polarised = reflectance.law() != DielectricLaw::Schlick;

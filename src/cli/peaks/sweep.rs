@@ -1,7 +1,7 @@
 //! The response over wavelengths and view angles, and the peaks in it.
 
 use super::Arguments;
-use crate::cli::progress::Progress;
+use crate::cli::progress::ProgressBar;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
 use crate::measure::branches::ResponseMap;
@@ -76,7 +76,7 @@ impl AngleSweep {
         memory::ensure_room(sweeps * evaluations * size_of::<f64>() as u64, "the sweeps of all windows")?;
         let one = Optics { windows: Windows::ONE, ..optics.clone() };
         let mut windows = Vec::new();
-        let bar = Progress::without_bar("windows", "a smaller number of --windows", (n * m) as usize);
+        let bar = ProgressBar::hidden("windows", "a smaller number of --windows", (n * m) as usize);
         bar.add(0);
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             // A window elsewhere on the periodic surface is this window on the moved surface. The surface moves by whole samples, which are
@@ -123,7 +123,7 @@ impl AngleSweep {
         let mut responses = Vec::with_capacity(evaluations);
         let settings = SourceSettings { shortest: wavelengths[0], ..SourceSettings::new(optics.clone()) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, _| {
-            let bar = Progress::new("directions", "a range with larger steps").over(evaluations);
+            let bar = ProgressBar::over("directions", "a range with larger steps", evaluations);
             for &wavelength in &wavelengths {
                 let found = evaluation::ask(brdf, &pairs, Some(wavelength), &bar)?;
                 responses.extend(found.iter().map(|f| f.x));

@@ -5,7 +5,7 @@ mod report;
 use super::autotune::{TunedSetting, tune};
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
 use super::options::sample_pixels;
-use super::progress::Progress;
+use super::progress::ProgressBar;
 use super::{captions, prepare, write};
 use crate::error::Result;
 use crate::files::Files;
@@ -88,10 +88,9 @@ fn profile(
     arguments: &Arguments,
 ) -> Result<ProfileReport> {
     let mut benchmark = scene.prepare(options)?;
-    let bar = Progress::new("frames", "a smaller number of --frames");
-    let progress = |done, of| bar.show("frames", done, of);
+    let bar = ProgressBar::new("frames", "a smaller number of --frames");
     let frames = arguments.frames as usize;
-    let times = measure(&mut benchmark.renderer, &scene.view, frames, f64::INFINITY, &progress)?;
+    let times = measure(&mut benchmark.renderer, &scene.view, frames, f64::INFINITY, &bar.task())?;
     drop(bar);
     let rates = rates(&mut benchmark.renderer, scene.pixels())?;
     let errors = match arguments.error {

@@ -1,7 +1,7 @@
 //! Colours of a surface over all directions: an overview for the page of `surface info`, computed on the CPU.
 
 use crate::cli::brdf::map::{HemisphereMap, views};
-use crate::cli::progress::Progress;
+use crate::cli::progress::ProgressBar;
 use crate::error::Result;
 use crate::figure::{Mark, MarkShape, Panel, Raster, palette};
 use crate::filter::Covariance;
@@ -70,9 +70,9 @@ fn table(field: &HeightField) -> Result<ColorTable> {
         memory_limit: MEMORY,
         ..TableSettings::new(Illuminant::D65, TOLERANCE)
     };
-    let bar = Progress::new("orders", "a part of the surface (--crop)");
-    let series = OrderSeries::new(field, &powers, &|done, of| bar.show("orders", done, of))?;
-    bake(&series, &colours, &|done, of| bar.show("colours", done, of))
+    let bar = ProgressBar::new("orders", "a part of the surface (--crop)");
+    let series = OrderSeries::new(field, &powers, &bar.task())?;
+    bake(&series, &colours, &bar.task())
 }
 
 /// Returns `field`, or the middle of a large one.
@@ -161,6 +161,7 @@ mod tests {
     use crate::brdf::tabulated::{SummedOrders, TabulatedMean};
     use crate::optics::spectrum::SHORTEST;
     use crate::surface::synth::{Spec, SurfaceKind, generate};
+    use crate::task::Task;
 
     fn small(kind: SurfaceKind) -> HeightField {
         generate(&Spec { patch: Some([20.0; 2]), ..Spec::new(kind) }).unwrap()
@@ -176,13 +177,17 @@ mod tests {
             let light = direction(SLANTED, 20.0);
             let map = map(&table, light);
             let sigma = COHERENCE / 4.0;
-            let mean =
-                MeanBrdf { field: &field, sigma, beyond: setup::beyond_of(&field), reflectance: IOR.into() };
-            let exact = TabulatedMean::new(mean, SHORTEST, &|_, _| Ok(())).unwrap();
+            let mean = MeanBrdf {
+                field: field.clone(),
+                sigma,
+                beyond: setup::beyond_of(&field),
+                reflectance: IOR.into(),
+            };
+            let exact = TabulatedMean::new(mean, SHORTEST, &Task::silent()).unwrap();
             let footprint = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
             let some: Vec<_> = views(SIDE, 0..SIDE).step_by(101).collect();
             let pairs: Vec<_> = some.iter().map(|(_, view)| (Pair::new(light, *view), footprint)).collect();
-            let colours = exact.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &|_, _| Ok(())).unwrap();
+            let colours = exact.xyz(&Illuminant::D65, &pairs, SummedOrders::All, &Task::silent()).unwrap();
             let (mut error, mut all) = (0.0, 0.0);
             for ((place, _), xyz) in some.iter().zip(colours) {
                 let expected = xyz_to_linear_srgb(xyz / light.z);

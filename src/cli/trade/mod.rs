@@ -7,7 +7,7 @@ pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
 use super::options::{CacheOptions, DeviceOptions, FigureOptions, SurfaceOptions, coherence, ior, tolerance};
-use super::progress::Progress;
+use super::progress::ProgressBar;
 use super::remedies::in_options;
 use super::{captions, prepare, say, write};
 use crate::error::{Error, Result};
@@ -18,6 +18,7 @@ use crate::measure::trade::{self, GRATING, Measurement, THESIS};
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::scene::Light;
+use crate::task::Progress;
 use crate::{input, output, units};
 use baselines::Baselines;
 use clap::{Args, Parser};
@@ -147,10 +148,10 @@ impl<'a> TradeSweep<'a> {
 
     fn measure_settings(&mut self) -> Result<()> {
         let settings = settings(self.arguments.quick);
-        let bar = Progress::new("settings", "--quick");
+        let bar = ProgressBar::new("settings", "--quick");
         let count = settings.len();
         for (done, flags) in settings.into_iter().enumerate() {
-            bar.show("settings", done, count)?;
+            bar.show(&Progress { stage: "settings", done, of: count });
             if self.rows.iter().any(|row| row.flags == flags) {
                 continue;
             }

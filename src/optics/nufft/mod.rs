@@ -12,6 +12,7 @@ use super::quadrature::{WavelengthSets, Wavelengths};
 use super::reference::Reference;
 use super::spectrum::{Illuminant, SHORTEST};
 use crate::error::Result;
+use crate::task::Task;
 use basis::HeightBasis;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -19,29 +20,28 @@ use spectra::Spectra;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Number of pairs between two calls of `progress`.
+/// Name of the work in reports of progress.
+const DIRECTIONS: &str = "directions";
+/// Number of pairs between two reports of progress.
 const AT_ONCE: usize = 2048;
 /// Multiplications of the direct sum per sample of one transform in the same time.
 const SUMS_PER_TRANSFORMED: f64 = 40.0;
-
-/// Progress callback with the steps done and in total; an error from it ends the work.
-pub type Progress<'a> = &'a dyn Fn(usize, usize) -> Result<()>;
 
 /// Computes XYZ of f·cos θ_i \[sr⁻¹\] of many directions; see [`Reference::cosine_weighted_xyz`] for a single one. A few directions are
 /// summed directly.
 ///
 /// # Errors
-/// Those of [`Reference::cosine_weighted_xyz`], too little memory, and errors of `progress`.
+/// Those of [`Reference::cosine_weighted_xyz`], too little memory, and a cancelled task.
 pub fn cosine_weighted_xyz(
-    reference: &Reference<'_>,
+    reference: &Reference,
     illuminant: &Illuminant,
     pairs: &[Pair],
-    progress: Progress<'_>,
+    task: &Task,
 ) -> Result<Vec<DVec3>> {
     let counts = pairs.iter().map(|pair| node_count(reference, pair)).collect::<Result<Vec<_>>>()?;
     let z_max = 4.0 * PI / SHORTEST;
     if is_little(reference, &counts, SHORTEST) {
-        return one_by_one(reference, illuminant, pairs, progress);
+        return one_by_one(reference, illuminant, pairs, task);
     }
     let basis = HeightBasis::new(reference.field(), z_max);
     let sets: BTreeMap<usize, Wavelengths> = counts
@@ -58,7 +58,7 @@ pub fn cosine_weighted_xyz(
     for (window, shift) in shifts(reference).into_iter().enumerate() {
         let spectra = Spectra::new(reference.field(), reference.coherence(), shift, reach, &basis)?;
         for (chunk, begin) in colours.chunks_mut(AT_ONCE).zip((0..).step_by(AT_ONCE)) {
-            progress(window * pairs.len() + begin, (n * m) as usize * pairs.len())?;
+            task.report(DIRECTIONS, window * pairs.len() + begin, (n * m) as usize * pairs.len())?;
             chunk.par_iter_mut().enumerate().for_each(|(i, colour)| {
                 let (pair, count) = (&pairs[begin + i], counts[begin + i]);
                 if let Some(wavelengths) = sets.get(&count) {
@@ -69,12 +69,12 @@ pub fn cosine_weighted_xyz(
             });
         }
     }
-    progress(1, 1)?;
+    task.report(DIRECTIONS, 1, 1)?;
     Ok(colours)
 }
 
 /// Returns the positions of the windows that `reference` averages over \[µm\].
-fn shifts(reference: &Reference<'_>) -> Vec<[f64; 2]> {
+fn shifts(reference: &Reference) -> Vec<[f64; 2]> {
     let ([n, m], patch) = (reference.windows(), reference.field().patch_size());
     let shift = |window: u32| {
         [f64::from(window % n) / f64::from(n) * patch[0], f64::from(window / n) / f64::from(m) * patch[1]]
@@ -87,7 +87,7 @@ fn shifts(reference: &Reference<'_>) -> Vec<[f64; 2]> {
 const COLOUR_NODES: usize = 128;
 
 /// Returns the number of wavelengths for `pair`, one of few different numbers; 0 below the horizon.
-fn node_count(reference: &Reference<'_>, pair: &Pair) -> Result<usize> {
+fn node_count(reference: &Reference, pair: &Pair) -> Result<usize> {
     if !pair.above_horizon() {
         return Ok(0);
     }
@@ -106,7 +106,7 @@ fn reach_of(pairs: &[Pair], shortest: f64) -> [f64; 2] {
 }
 
 /// Returns true if the direct sum is faster than the transforms.
-fn is_little(reference: &Reference<'_>, counts: &[usize], shortest: f64) -> bool {
+fn is_little(reference: &Reference, counts: &[usize], shortest: f64) -> bool {
     let field = reference.field();
     let samples = field.heights().len() as f64;
     let nodes: usize = counts.iter().sum();
@@ -121,13 +121,13 @@ fn is_little(reference: &Reference<'_>, counts: &[usize], shortest: f64) -> bool
 }
 
 fn one_by_one(
-    reference: &Reference<'_>,
+    reference: &Reference,
     illuminant: &Illuminant,
     pairs: &[Pair],
-    progress: Progress<'_>,
+    task: &Task,
 ) -> Result<Vec<DVec3>> {
     let one = |(done, pair)| {
-        progress(done, pairs.len())?;
+        task.report(DIRECTIONS, done, pairs.len())?;
         reference.cosine_weighted_xyz(pair, illuminant)
     };
     pairs.iter().enumerate().map(one).collect()

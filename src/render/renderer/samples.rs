@@ -6,6 +6,7 @@ use crate::render::frame::{Shown, View};
 use crate::render::light_passes::{LightPass, SampleGroup, all_lights};
 use crate::render::passes::accumulate::Accumulation;
 use crate::render::sampling::{Sample, Sampling};
+use crate::task::Task;
 use glam::DVec3;
 
 /// Settings of the samples in a sum.
@@ -94,14 +95,8 @@ impl Renderer {
     /// `progress` with the number of samples done; an error it returns ends the picture.
     ///
     /// # Errors
-    /// Fails if the device is lost or out of memory for the sum, or with the error of `progress`.
-    pub fn render(
-        &mut self,
-        view: &View,
-        sampling: &Sampling,
-        shown: Shown,
-        progress: &mut dyn FnMut(u32) -> Result<()>,
-    ) -> Result<Picture> {
+    /// Fails if the device is lost or out of memory for the sum, or if the task is cancelled.
+    pub fn render(&mut self, view: &View, sampling: &Sampling, shown: Shown, task: &Task) -> Result<Picture> {
         if sampling.count <= 1 {
             self.draw_sample(view, &sampling.sample(0), shown)?;
             return self.read_back();
@@ -114,7 +109,7 @@ impl Renderer {
             let shown = Some(shown).filter(|_| before + group.samples >= sampling.count);
             self.add(&request, &group, shown, &mut |_| true)?;
             before += group.samples;
-            progress(before)?;
+            task.report("samples", before as usize, sampling.count as usize)?;
         }
         self.read_back()
     }

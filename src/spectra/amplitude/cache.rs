@@ -151,6 +151,7 @@ mod tests {
     use crate::budget::{ErrorBudget, WindowBudget};
     use crate::cache::{Store, read, seal};
     use crate::spectra::amplitude::compute;
+    use crate::task::Task;
     use serde_json::{Value, json};
 
     fn sample() -> (HeightField, LayerSettings, Layers) {
@@ -165,7 +166,7 @@ mod tests {
             memory_limit: 1 << 28,
             side_limit: 16_384,
         };
-        let layers = compute(&field, &settings, &|_, _| Ok(())).unwrap();
+        let layers = compute(&field, &settings, &Task::silent()).unwrap();
         (field, settings, layers)
     }
 

@@ -15,6 +15,7 @@ use crate::spectra::amplitude::expansion::optimal::Optimal;
 use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, Taylor, terms_for};
 use crate::spectra::amplitude::expansion::{Basis, Expansion, HeightScale};
 use crate::surface::HeightField;
+use crate::task::Task;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -87,16 +88,15 @@ impl Layers {
     }
 }
 
-/// Transforms `field` into layers. `progress(done, of)` is called as work goes on; an error from it ends the work.
+/// Name of the work in reports of progress.
+const SPECTRA: &str = "spectra";
+
+/// Transforms `field` into layers. `task` is told of each step.
 ///
 /// # Errors
-/// An expansion that 32-bit floats cannot hold at this tolerance, an exceeded memory limit, errors of `progress`.
-pub fn compute(
-    field: &HeightField,
-    settings: &LayerSettings,
-    progress: &dyn Fn(usize, usize) -> Result<()>,
-) -> Result<Layers> {
-    compute_at(field, settings, [0.0; 2], progress)
+/// An expansion that 32-bit floats cannot hold at this tolerance, an exceeded memory limit, a cancelled task.
+pub fn compute(field: &HeightField, settings: &LayerSettings, task: &Task) -> Result<Layers> {
+    compute_at(field, settings, [0.0; 2], task)
 }
 
 /// Transforms `field` like [`compute`], with the centre of the window `shift` \[µm\] from that of the patch.
@@ -107,13 +107,13 @@ pub fn compute_at(
     field: &HeightField,
     settings: &LayerSettings,
     shift: [f64; 2],
-    progress: &dyn Fn(usize, usize) -> Result<()>,
+    task: &Task,
 ) -> Result<Layers> {
     let work = LayersWork::new(field, settings, shift)?;
     let mut audit = Audit::new(&work.transformer, &work.heights, work.half_range, work.z_max, |i| {
-        progress(i, work.steps(0))
+        task.report(SPECTRA, i, work.steps(0))
     })?;
-    let made = work.transform(&mut audit, progress)?;
+    let made = work.transform(&mut audit, task)?;
     // 16-bit floats take half the memory, and are used if their rounding is within the budget too. Powers of the height cancel each other
     // by orders of magnitude and need 32 bits.
     let family = work.family.as_ref();
@@ -124,7 +124,7 @@ pub fn compute_at(
     if settings.terms.is_none() && expansion_error > budget {
         return Err(beyond_32_bits(settings, expansion_error));
     }
-    progress(work.steps(made.pairs), work.steps(made.pairs))?;
+    task.report(SPECTRA, work.steps(made.pairs), work.steps(made.pairs))?;
     // The halves exist beside the texels from which they are made.
     let finished = if half { made.texels.len() * size_of::<f32>() / 2 } else { 0 };
     memory::ensure_room(finished as u64, "the spectra")?;
@@ -233,18 +233,14 @@ impl<'a> LayersWork<'a> {
     }
 
     /// Transforms pair after pair of terms, until the `audit` reports a small enough error.
-    fn transform(
-        &self,
-        audit: &mut Audit,
-        progress: &dyn Fn(usize, usize) -> Result<()>,
-    ) -> Result<MadeSpectra> {
+    fn transform(&self, audit: &mut Audit, task: &Task) -> Result<MadeSpectra> {
         let Self { settings, transformer, heights, most_terms, .. } = self;
         let family = self.family.as_ref();
         let [columns, rows] = self.size;
         let mut texels: Vec<f32> = Vec::new();
         let mut pairs = 0;
         loop {
-            progress(PLANES + pairs, self.steps(pairs + 1))?;
+            task.report(SPECTRA, PLANES + pairs, self.steps(pairs + 1))?;
             self.ensure_limit(pairs + 1)?;
             let pair = transformer.pair(self.half_plane, |n, i| family.basis(2 * pairs + n, heights[i]));
             // Requested as the texels grow: the number of layers is known only at the end.
@@ -341,6 +337,7 @@ const GUESSED_TERMS: usize = 16;
 mod tests {
     use super::*;
     use crate::budget::ErrorBudget;
+    use std::sync::atomic::Ordering;
 
     fn bumpy(range: f64) -> HeightField {
         let heights = (0..64 * 48)
@@ -369,7 +366,7 @@ mod tests {
         let field = bumpy(0.3);
         let mut terms = Vec::new();
         for tolerance in [1e-1, 1e-2, 1e-3] {
-            let layers = compute(&field, &settings(tolerance), &|_, _| Ok(())).unwrap();
+            let layers = compute(&field, &settings(tolerance), &Task::silent()).unwrap();
             assert!(layers.errors.expansion <= 0.35 * tolerance);
             assert_eq!(layers.texels.len(), layers.size[0] * layers.size[1] * 4 * layers.pairs());
             terms.push(layers.terms);
@@ -381,28 +378,29 @@ mod tests {
     fn too_few_terms_are_seen_by_the_audit() {
         let field = bumpy(0.3);
         let few = LayerSettings { terms: Some(3), ..settings(1e-2) };
-        assert!(compute(&field, &few, &|_, _| Ok(())).unwrap().errors.expansion > 0.1);
+        assert!(compute(&field, &few, &Task::silent()).unwrap().errors.expansion > 0.1);
     }
 
     #[test]
     fn heights_beyond_32_bit_floats_and_windows_beyond_memory_are_refused() {
-        let high = compute(&bumpy(1.2), &settings(1e-2), &|_, _| Ok(())).unwrap_err().to_string();
+        let high = compute(&bumpy(1.2), &settings(1e-2), &Task::silent()).unwrap_err().to_string();
         assert!(high.contains("32-bit"), "{high}");
         let wide = LayerSettings { sigma: 2500.0, ..settings(1e-2) };
-        let message = compute(&bumpy(0.1), &wide, &|_, _| Ok(())).unwrap_err().to_string();
+        let message = compute(&bumpy(0.1), &wide, &Task::silent()).unwrap_err().to_string();
         assert!(message.contains("GiB"), "{message}");
     }
 
     #[test]
-    fn work_ends_where_progress_says_so() {
-        let stop = |done: usize, _| if done > 1 { Err(Error::cancelled()) } else { Ok(()) };
-        assert!(compute(&bumpy(0.1), &settings(1e-2), &stop).is_err());
+    fn work_ends_when_it_is_cancelled() {
+        let (task, reports) = Task::cancelled_at(3);
+        assert!(compute(&bumpy(0.1), &settings(1e-2), &task).is_err_and(|e| e.is_cancelled()));
+        assert_eq!(reports.load(Ordering::Relaxed), 3);
     }
 
     #[test]
     fn a_flat_surface_needs_one_pair() {
         let field = HeightField::new(16, 16, [0.1, 0.1], vec![3.0; 256]).unwrap();
-        let layers = compute(&field, &settings(1e-3), &|_, _| Ok(())).unwrap();
+        let layers = compute(&field, &settings(1e-3), &Task::silent()).unwrap();
         assert!(layers.terms <= 2);
         let peak = (layers.origin[1] * layers.size[0] + layers.origin[0]) * 4;
         // Deapodisation lifts the sum of the weights above the window's integral by the loss of the kernel at the peak.

@@ -255,6 +255,7 @@ mod tests {
     use super::*;
     use crate::spectra::power::{Beyond, Blur, OrderGrid, PowerSettings, Transform};
     use crate::surface::HeightField;
+    use crate::task::Task;
     use pulp::Scalar;
 
     fn rough(pixel: [f64; 2]) -> HeightField {
@@ -276,7 +277,7 @@ mod tests {
         {
             let field = rough(pixel);
             let settings = PowerSettings::new(2.0, beyond, 2e-3);
-            let series = OrderSeries::new(&field, &settings, &|_, _| Ok(())).unwrap();
+            let series = OrderSeries::new(&field, &settings, &Task::silent()).unwrap();
             let reader = OrderReader::new(&series);
             let blur =
                 DVec2::from_array(Blur::of_orders(settings.sigma, field.patch_size(), beyond).variance);
@@ -330,7 +331,8 @@ mod tests {
     fn a_square_is_read_as_each_of_its_points_and_registers_give_the_plain_sums() {
         let field = rough([0.1; 2]);
         let series =
-            OrderSeries::new(&field, &PowerSettings::new(2.0, Beyond::Copies, 1e-2), &|_, _| Ok(())).unwrap();
+            OrderSeries::new(&field, &PowerSettings::new(2.0, Beyond::Copies, 1e-2), &Task::silent())
+                .unwrap();
         let reader = OrderReader::new(&series);
         // The square reaches beyond the band.
         for (first, variance) in [(DVec2::new(-0.3, 0.2), 0.0), (DVec2::new(4.6, -5.3), 0.02)] {

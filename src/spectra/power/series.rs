@@ -8,6 +8,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
+use crate::task::{Progress, Task};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
@@ -59,6 +60,8 @@ pub struct OrderSeries {
     coefficients: Vec<f32>,
 }
 
+/// Name of the work in reports of progress.
+const ORDERS: &str = "orders";
 /// Terms that vector registers take together.
 pub const TERMS_AT_ONCE: usize = 4;
 /// Largest number of terms, sufficient for heights of about 6 µm.
@@ -88,12 +91,8 @@ impl OrderSeries {
     /// Computes the series of `field` with as many terms as the error of `settings` asks for.
     ///
     /// # Errors
-    /// Too little memory; a surface too high for any number of terms; errors of `progress`.
-    pub fn new(
-        field: &HeightField,
-        settings: &PowerSettings,
-        progress: &dyn Fn(usize, usize) -> Result<()>,
-    ) -> Result<Self> {
+    /// Too little memory; a surface too high for any number of terms; a cancelled task.
+    pub fn new(field: &HeightField, settings: &PowerSettings, task: &Task) -> Result<Self> {
         Self::check_heights(field, settings)?;
         let z_max = settings.z_max();
         let transform = Transform::new(field, order_grid(field, settings), settings.beyond);
@@ -102,16 +101,16 @@ impl OrderSeries {
         let audited = AUDITED.map(|share| share * z_max);
         let mut exact: Vec<OrderPowers> = Vec::with_capacity(AUDITED.len());
         loop {
-            let told = |done, of| progress(done, of + AUDITED.len());
-            let mut series = Self::with_terms(&transform, settings, terms, &told)?;
+            let series_alone = task.part(|progress| Progress { of: progress.of + AUDITED.len(), ..progress });
+            let mut series = Self::with_terms(&transform, settings, terms, &series_alone)?;
             for z in audited.iter().skip(exact.len()) {
-                progress(terms + exact.len(), terms + AUDITED.len())?;
+                task.report(ORDERS, terms + exact.len(), terms + AUDITED.len())?;
                 exact.push(transform.at(*z));
             }
             let errors = audited.iter().zip(&exact).map(|(z, exact)| series.error_at(*z, exact));
             series.error = errors.fold(0.0, f64::max);
             if series.error <= settings.error {
-                progress(1, 1)?;
+                task.report(ORDERS, 1, 1)?;
                 return Ok(series);
             }
             if terms == MOST_TERMS {
@@ -130,19 +129,19 @@ impl OrderSeries {
     /// Computes series of `terms` terms, without an audit.
     ///
     /// # Errors
-    /// Too little memory; errors of `progress`.
+    /// Too little memory; a cancelled task.
     pub fn with_terms(
         transform: &Transform<'_>,
         settings: &PowerSettings,
         terms: usize,
-        progress: &dyn Fn(usize, usize) -> Result<()>,
+        task: &Task,
     ) -> Result<Self> {
         let (grid, z_max, field) = (*transform.grid(), settings.z_max(), transform.field());
         memory::ensure_room((grid.count() * terms * size_of::<f32>()) as u64, "the powers of all orders")?;
         let mut coefficients = vec![0f32; grid.count() * terms];
         let mut specular = vec![0.0; terms];
         for (j, z) in nodes(terms, z_max).into_iter().enumerate() {
-            progress(j, terms)?;
+            task.report(ORDERS, j, terms)?;
             let at = transform.at(z);
             specular[j] = at.specular;
             let scale = 1.0 / (z * z);
@@ -301,7 +300,7 @@ mod tests {
         let settings = settings(1e-2);
         let e = OrderSeries::check_heights(&rough(1e6), &settings).unwrap_err().to_string();
         assert!(e.contains("um RMS") && e.contains("check the height and its unit"), "{e}");
-        assert!(OrderSeries::new(&rough(1e6), &settings, &|_, _| panic!("it began")).is_err());
+        assert!(OrderSeries::new(&rough(1e6), &settings, &Task::reporting(|_| panic!("it began"))).is_err());
         // Half as much is for the audit to judge.
         assert!(OrderSeries::check_heights(&rough(5.0), &settings).is_ok());
     }
@@ -319,13 +318,13 @@ mod tests {
     fn series_take_their_estimate_or_more_terms_for_the_same_orders() {
         let heights = (0..40 * 30).map(|i| 0.3 * (f64::from(i) * 0.618_034).fract()).collect();
         let field = HeightField::new(40, 30, [0.1, 0.12], heights).unwrap();
-        let made = OrderSeries::new(&field, &settings(1e-2), &|_, _| Ok(())).unwrap();
+        let made = OrderSeries::new(&field, &settings(1e-2), &Task::silent()).unwrap();
         let expected = OrderSeries::estimate(&field, &settings(1e-2)).unwrap();
         assert_eq!(made.grid.size, expected.orders);
         assert!(made.terms >= expected.terms && made.coefficients().len() * 4 >= expected.bytes);
         let high = HeightField::new(2, 1, [0.1; 2], vec![0.0, 20.0]).unwrap();
         assert_eq!(OrderSeries::estimate(&high, &settings(1e-2)), None);
-        let refused = OrderSeries::new(&high, &settings(1e-2), &|_, _| Ok(()));
+        let refused = OrderSeries::new(&high, &settings(1e-2), &Task::silent());
         assert!(refused.is_err(), "heights beyond any number of terms");
     }
 
@@ -333,7 +332,7 @@ mod tests {
     fn the_series_in_z_meet_their_error_at_all_heights_and_at_both_ends_of_z() {
         for height in [0.0, 0.05, 0.4, 1.0, 3.0] {
             let field = rough(height);
-            let series = OrderSeries::new(&field, &settings(1e-2), &|_, _| Ok(())).unwrap();
+            let series = OrderSeries::new(&field, &settings(1e-2), &Task::silent()).unwrap();
             assert!(series.error <= 1e-2, "{height} um: {}", series.error);
             assert_eq!(series.terms % TERMS_AT_ONCE, 0);
             // The specular order's curve against the plain mean of the phases.
@@ -358,7 +357,7 @@ mod tests {
         let transform = Transform::new(&field, order_grid(&field, &settings), settings.beyond);
         let z = 0.7 * settings.z_max();
         let error = |terms| {
-            let series = OrderSeries::with_terms(&transform, &settings, terms, &|_, _| Ok(())).unwrap();
+            let series = OrderSeries::with_terms(&transform, &settings, terms, &Task::silent()).unwrap();
             series.error_at(z, &transform.at(z))
         };
         assert!(error(8) > 0.1 && error(32) < 1e-3, "{} {}", error(8), error(32));

@@ -5,10 +5,10 @@ use super::reading::{LightAt, Reading};
 use crate::error::{self, Error, Result};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::render::reference_picture::PixelReference;
+use crate::task::{Progress, Task};
 use crate::viewer::prepared::Prepared;
 use glam::DVec3;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 /// Number of wavelengths of a spectrum, 5 nm apart.
@@ -45,7 +45,7 @@ pub struct LightAnswer {
 /// Handle of the thread. Dropping it ends the thread without waiting.
 pub struct DirectionReference {
     readings: Sender<Reading>,
-    stop: Arc<AtomicBool>,
+    task: Task,
 }
 
 impl DirectionReference {
@@ -53,10 +53,11 @@ impl DirectionReference {
     ///
     /// # Errors
     /// Fails if the system refuses a thread.
-    pub fn new(reply: impl Fn(u64, Result<Answer>) + Send + 'static) -> Result<Self> {
+    pub fn new(reply: impl Fn(u64, Result<Answer>) + Send + Sync + 'static) -> Result<Self> {
         let (readings, received) = channel();
-        let stop = Arc::new(AtomicBool::new(false));
-        let queue = Queue { received, stop: stop.clone() };
+        let task = Task::silent();
+        let queue = Queue { received, task: task.clone() };
+        let reply: Arc<Reply> = Arc::new(reply);
         let work = move || {
             let mut next = queue.next();
             while let Some(reading) = next {
@@ -70,7 +71,7 @@ impl DirectionReference {
             )
             .caused_by(e)
         })?;
-        Ok(Self { readings, stop })
+        Ok(Self { readings, task })
     }
 
     /// Requests an answer for `reading` and drops earlier requests.
@@ -82,58 +83,55 @@ impl DirectionReference {
 
 impl Drop for DirectionReference {
     fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.task.cancel();
     }
 }
 
+/// Receiver of the answers to readings, by their numbers.
+type Reply = dyn Fn(u64, Result<Answer>) + Send + Sync;
+
 struct Queue {
     received: Receiver<Reading>,
-    stop: Arc<AtomicBool>,
+    task: Task,
 }
 
 impl Queue {
     /// Waits for the newest reading; `None` if the thread is to end.
     fn next(&self) -> Option<Reading> {
         let first = self.received.recv().ok()?;
-        Some(self.newer(first)).filter(|_| !self.is_stopped())
+        Some(self.newer(first)).filter(|_| !self.task.is_cancelled())
     }
 
     /// Returns the newest reading, which is `reading` if no other waits.
     fn newer(&self, reading: Reading) -> Reading {
         self.received.try_iter().last().unwrap_or(reading)
     }
-
-    fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
 }
 
 /// Answers `first` and the following readings of the same surface and settings. Returns the first reading of others.
-fn answer(first: Reading, queue: &Queue, reply: &dyn Fn(u64, Result<Answer>)) -> Option<Reading> {
+fn answer(first: Reading, queue: &Queue, reply: &Arc<Reply>) -> Option<Reading> {
     let prepared = first.prepared.clone();
     let Prepared { field, number, .. } = &*prepared;
-    let progress = |done: usize, of: usize| {
-        if queue.is_stopped() {
-            return Err(Error::cancelled());
-        }
-        reply(first.number, Ok(Answer::Preparing(done as f32 / of.max(1) as f32)));
-        Ok(())
-    };
-    let reference = PixelReference::new(field, prepared.optics(), &progress);
+    let told = Arc::clone(reply);
+    let number_of_first = first.number;
+    let task = queue.task.observed(move |Progress { done, of, .. }| {
+        told(number_of_first, Ok(Answer::Preparing(done as f32 / of.max(1) as f32)));
+    });
+    let reference = PixelReference::new(field, prepared.optics(), &task);
     let mut reading = queue.newer(first.clone());
-    while reading.prepared.number == *number && !queue.is_stopped() {
+    while reading.prepared.number == *number && !queue.task.is_cancelled() {
         match &reference {
-            Ok(reference) => reply(reading.number, of_pixel(reference, &reading)),
+            Ok(reference) => reply(reading.number, of_pixel(reference, &reading, &queue.task)),
             Err(e) => reply(reading.number, Err(e.clone())),
         }
         reading = queue.next()?;
     }
-    Some(reading).filter(|_| !queue.is_stopped())
+    Some(reading).filter(|_| !queue.task.is_cancelled())
 }
 
-fn of_pixel(reference: &PixelReference<'_>, reading: &Reading) -> Result<Answer> {
+fn of_pixel(reference: &PixelReference, reading: &Reading, task: &Task) -> Result<Answer> {
     let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(wavelength).collect();
-    let colors = reference.colors(&reading.view, 0, &reading.directions, &[0], &|_, _| Ok(()))?;
+    let colors = reference.colors(&reading.view, 0, &reading.directions, &[0], task)?;
     let of_light = |(number, light): (usize, &LightAt)| {
         Ok(LightAnswer {
             spectrum: reference.spectrum(&light.pair, &wavelengths),
