@@ -373,6 +373,38 @@ mod tests {
         assert_eq!(Error::cancelled().to_string(), "cancelled");
     }
 
+    /// Returns the source of `error` as a `T`.
+    fn source<T: std::error::Error + 'static>(error: &Error) -> Option<&T> {
+        std::error::Error::source(error)?.downcast_ref()
+    }
+
+    #[test]
+    fn each_kind_of_error_is_told_with_its_source() {
+        let wrong = crate::units::length("10").unwrap_err();
+        assert_eq!(wrong.kind(), ErrorKind::Usage, "{wrong}");
+        let missing = crate::input::read_text(std::path::Path::new("no/such"), "a text").unwrap_err();
+        assert_eq!(missing.kind(), ErrorKind::Files, "{missing}");
+        assert_eq!(missing.to_string(), "no/such: there is no such file; give a text");
+        assert_eq!(source::<io::Error>(&missing).unwrap().kind(), io::ErrorKind::NotFound);
+        let damaged = crate::export::MaterialDescription::parse("{").unwrap_err();
+        assert_eq!(damaged.kind(), ErrorKind::Input, "{damaged}");
+        assert!(source::<serde_json::Error>(&damaged).unwrap().is_eof());
+        let large = crate::memory::ensure_room(u64::MAX, "the field").unwrap_err();
+        assert!(large.kind() == ErrorKind::Memory && large.is_too_large(), "{large}");
+        let high = crate::spectra::amplitude::expansion::taylor::terms_for(100.0, 1e-6, 1e-7).unwrap_err();
+        assert!(high.kind() == ErrorKind::Limit && high.is_too_large(), "{high}");
+        let task = crate::task::Task::silent();
+        task.cancel();
+        let cancelled = task.check().unwrap_err();
+        assert!(cancelled.kind() == ErrorKind::Cancelled && cancelled.is_cancelled(), "{cancelled}");
+        assert!(cancelled.remedies().is_empty() && !cancelled.is_too_large());
+        let bug = Error::bug("nothing is left").caused_by(fmt::Error);
+        assert_eq!(bug.kind(), ErrorKind::Bug);
+        assert_eq!(bug.to_string(), "nothing is left; report this as a bug of diffract");
+        assert!(source::<fmt::Error>(&bug.at("here")).is_some());
+        assert!(std::error::Error::source(&wrong).is_none());
+    }
+
     #[test]
     fn remedies_are_alternatives_in_the_words_of_who_shows_them() {
         let e = Error::limit("too large", [Remedy::SmallerPicture, Remedy::LargerTolerance]).or("wait");

@@ -301,6 +301,23 @@ mod tests {
     }
 
     #[test]
+    fn a_surface_that_is_too_high_for_the_series_is_summed_directly_and_cancelled_work_is_not() {
+        let heights = (0..64).map(|i| if i % 8 < 4 { 0.0 } else { 900.0 }).collect();
+        let field = HeightField::new(8, 8, [0.1; 2], heights).unwrap();
+        let pairs = pairs(WORTH_A_TABLE + 1);
+        let task = Task::silent();
+        assert!(TabulatedMean::new(mean(&field), SHORTEST, &task).is_err_and(|e| e.is_too_large()));
+        let reference = MeanReference::new(mean(&field), Illuminant::D65, SHORTEST);
+        assert_eq!(reference.spectral(&pairs, 0.55, &task).unwrap().len(), pairs.len());
+        assert_eq!(reference.albedo(DVec3::Z, None, &task).unwrap(), None);
+        let [field, _] = short_patches();
+        let reference = MeanReference::new(mean(&field), Illuminant::D65, SHORTEST);
+        task.cancel();
+        assert!(reference.albedo(DVec3::Z, None, &task).is_err_and(|e| e.is_cancelled()));
+        assert!(reference.albedo(DVec3::Z, None, &Task::silent()).unwrap().is_some(), "not too large");
+    }
+
+    #[test]
     fn an_answer_depends_on_its_own_question_alone() {
         let [field, _] = short_patches();
         let pairs = pairs(20);

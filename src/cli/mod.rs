@@ -198,3 +198,15 @@ fn check_validation(messages: &[String]) -> Result<()> {
         ))),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_usage_alone_ends_the_program_with_exit_code_2() {
+        assert_eq!(exit_code(&Error::usage("a", "b")), 2);
+        let others = [Error::input("a", "b"), Error::files("a", "b"), Error::cancelled(), Error::bug("a")];
+        assert!(others.iter().all(|error| exit_code(error) == 1));
+    }
+}

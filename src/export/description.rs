@@ -305,3 +305,20 @@ impl MaterialDescription {
 pub(super) fn is_description(value: &Value) -> bool {
     value["format"] == FORMAT
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::ErrorKind;
+
+    #[test]
+    fn what_has_no_description_is_an_error() {
+        assert_eq!(described(&0.5).unwrap(), 0.5);
+        // JSON has no word for it but null.
+        assert_eq!(described(&f64::NAN).unwrap_err().kind(), ErrorKind::Bug);
+        // A key that is no text.
+        let map = BTreeMap::from([((1, 2), 3)]);
+        let error = described(&map).unwrap_err();
+        assert!(error.kind() == ErrorKind::Bug && std::error::Error::source(&error).is_some(), "{error}");
+    }
+}

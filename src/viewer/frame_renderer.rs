@@ -215,7 +215,7 @@ impl FrameRenderer {
         let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, request));
         let mut own_goes_on = |part| go_on(Side::Own, part);
         let painted = match paint(&self.device, slot, prepared, request, size, &mut own_goes_on) {
-            Err(_) if request.lighter.is_some() && !self.device.is_lost() => {
+            Err(e) if e.is_too_large() && request.lighter.is_some() && !self.device.is_lost() => {
                 *slot = None;
                 return Ok(Some(RenderReply::NoRoom(request.quality.detail)));
             }

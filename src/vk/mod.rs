@@ -56,3 +56,26 @@ pub fn failure(doing: &str, code: vk::Result) -> Error {
     };
     Error::device(what, remedy).caused_by(code)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::ErrorKind;
+
+    #[test]
+    fn a_lost_device_and_one_without_memory_are_told_apart() {
+        if memory::is_limited() {
+            return; // everything that fails is told as too little memory
+        }
+        let kinds = [
+            (vk::Result::ERROR_DEVICE_LOST, ErrorKind::Device),
+            (vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, ErrorKind::Memory),
+        ];
+        for (code, kind) in kinds {
+            let error = failure("finish the work", code);
+            assert_eq!(error.kind(), kind, "{error}");
+            let source = std::error::Error::source(&error).and_then(|e| e.downcast_ref::<vk::Result>());
+            assert_eq!(source, Some(&code));
+        }
+    }
+}

@@ -238,7 +238,7 @@ fn listed(root: Node, header: &X3pHeader, count: usize) -> Result<Vec<f64>> {
         samples.push(match last.parse::<f64>() {
             Ok(x) => x * header.scale[0] + header.scale[1],
             Err(_) if last.is_empty() => f64::NAN, // a sample that was not measured
-            Err(_) => return Err(damaged(format!("`{last}` is no height"))),
+            Err(e) => return Err(damaged(format!("`{last}` is no height")).caused_by(e)),
         });
     }
     if samples.len() != count {
