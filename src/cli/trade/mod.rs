@@ -5,7 +5,7 @@ mod figure;
 
 pub use figure::figure;
 
-use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
+use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps, is_impossible};
 use super::options::{CacheOptions, DeviceOptions, FigureOptions, SurfaceOptions, coherence, ior, tolerance};
 use super::progress::ProgressBar;
 use super::remedies::in_options;
@@ -157,7 +157,8 @@ impl<'a> TradeSweep<'a> {
             }
             match self.measure(&flags) {
                 Ok(row) => self.add(row)?,
-                Err(error) => self.impossible.push((flags, in_options(&error))),
+                Err(error) if is_impossible(&error) => self.impossible.push((flags, in_options(&error))),
+                Err(error) => return Err(error),
             }
         }
         Ok(())
@@ -198,7 +199,10 @@ impl<'a> TradeSweep<'a> {
             match baselines.measure(series, &mut self.references) {
                 Ok(None) => {}
                 Ok(Some(row)) => self.add(Measurement { frame: self.frame.clone(), ..row })?,
-                Err(error) => self.impossible.push((series.to_owned(), in_options(&error))),
+                Err(error) if is_impossible(&error) => {
+                    self.impossible.push((series.to_owned(), in_options(&error)));
+                }
+                Err(error) => return Err(error),
             }
         }
         Ok(())
