@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout, reason = "printing is what an example does")]
 
 use diffract::prelude::*;
+use std::sync::Arc;
 
 /// Relative error of the colours.
 const TOLERANCE: f64 = 1e-2;
@@ -16,11 +17,11 @@ fn main() -> Result<()> {
     // A task may report both steps, and cancel them.
     let task = Task::silent();
     let series = OrderSeries::new(&field, &settings, &task)?;
-    let table = bake(&series, &TableSettings::new(Illuminant::D65, TOLERANCE), &task)?;
+    let table = Arc::new(bake(&series, &TableSettings::new(Illuminant::D65, TOLERANCE), &task)?);
     println!("a table of {:.1} MiB", table.bytes() as f64 / f64::from(1 << 20));
 
     // X, Y, Z of BRDF times cosine, for light 30° from the normal and viewers on the other side.
-    let reader = TableReader::new(&table);
+    let reader = TableReader::new(Arc::clone(&table));
     for angle in [5.0, 10.0, 15.0, 50.0, 60.0] {
         let pair = Pair::new(direction(30.0, 0.0), direction(angle, 180.0));
         // One direction; a pixel would average over the covariance of (u, v) in its footprint.

@@ -25,8 +25,6 @@ pub struct Question {
     pub is_grating: bool,
     /// True if pixels average over footprints that are long beside the blur of a single reading of a table.
     pub has_long_footprints: bool,
-    /// Factor on the share of the sum over wavelengths; 0 stands for 1. Previews of the viewer have a larger one.
-    pub looser_colours: f64,
 }
 
 /// Tolerance and its shares.
@@ -106,15 +104,11 @@ const MIDWAY: f64 = 1.369;
 impl ErrorBudget {
     /// Shares out `tolerance` for the answers of `question`.
     pub fn new(tolerance: f64, question: Question) -> Self {
-        let looser = if question.looser_colours > 0.0 { question.looser_colours } else { 1.0 };
-        let mut budget = Self {
+        Self {
             tolerance,
             window: WindowBudget::new(tolerance, question),
             mean: MeanBudget::new(tolerance, question),
-        };
-        budget.window.wavelengths *= looser;
-        budget.mean.wavelengths *= looser;
-        budget
+        }
     }
 
     /// Shares out `tolerance` for single directions.
@@ -240,14 +234,5 @@ mod tests {
                 assert!(total(&budget.mean.shares()[1..]) <= 1.001, "{budget:?}");
             }
         }
-    }
-
-    #[test]
-    fn a_glance_has_looser_wavelengths_alone() {
-        let all = ErrorBudget::of_directions(1e-2);
-        let glance = ErrorBudget::new(1e-2, Question { looser_colours: 10.0, ..Question::default() });
-        assert!((glance.window.wavelengths / all.window.wavelengths - 10.0).abs() < 1e-12);
-        assert!((glance.mean.wavelengths / all.mean.wavelengths - 10.0).abs() < 1e-12);
-        assert_eq!((glance.window.expansion, glance.mean.basis), (all.window.expansion, all.mean.basis));
     }
 }

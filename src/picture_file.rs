@@ -14,7 +14,7 @@ use std::path::Path;
 /// Format of a picture file, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// 8-bit sRGB, as displayed over the background; alpha is the coverage, or 1 before an environment map.
+    /// 8-bit sRGB, as displayed over the background; alpha is the coverage, or 1 before an environment map or a background that was asked for.
     Png,
     /// Linear radiance, signed 32-bit float RGBA, before exposure; alpha is the coverage, and colours are premultiplied by it.
     Exr,
@@ -125,10 +125,10 @@ fn png(file: &mut impl Write, picture: &Picture, notes: &Notes) -> std::result::
 }
 
 /// Returns the RGBA of a PNG: the displayed colour over the background, and in alpha the coverage of each pixel by the mesh. A program that
-/// drops alpha shows the whole picture with smooth edges. An environment map is opaque: every program shows it.
+/// drops alpha shows the whole picture with smooth edges. An environment map and a background that was asked for are opaque: every program shows them.
 fn codes(picture: &Picture) -> Vec<u8> {
     let pixels = picture.display.iter().zip(&picture.radiance);
-    let alpha = |coverage: f32| if picture.surrounded { 255 } else { (coverage * 255.0).round() as u8 };
+    let alpha = |coverage: f32| if picture.is_opaque { 255 } else { (coverage * 255.0).round() as u8 };
     pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, alpha(radiance[3])]).collect()
 }
 
@@ -159,7 +159,7 @@ mod tests {
             size,
             radiance: (0..count).map(|i| [number(i), -number(i + 1), 2.0, (i % 5) as f32 / 4.0]).collect(),
             display: (0..count).map(|i| [i as u8, (i / 7) as u8, 3, 255]).collect(),
-            surrounded: false,
+            is_opaque: false,
         }
     }
 

@@ -62,8 +62,6 @@ pub struct Optics {
     pub tolerance: f64,
     /// Quantity that the tolerance limits: pictures or single directions.
     pub purpose: Purpose,
-    /// Factor by which the sum over wavelengths may exceed its share of the tolerance: 1, or more for previews.
-    pub looser_colours: f64,
     /// Expansion of the layers.
     pub basis: Basis,
     /// Terms of the expansion, if the user sets them.
@@ -160,11 +158,7 @@ impl Optics {
     /// blur of a table.
     pub fn budget_of_footprints(&self, has_long_footprints: bool) -> ErrorBudget {
         let is_grating = self.coherence.sigma().is_none();
-        let (purpose, looser_colours) = (self.purpose, self.looser_colours);
-        ErrorBudget::new(
-            self.tolerance,
-            Question { purpose, is_grating, has_long_footprints, looser_colours },
-        )
+        ErrorBudget::new(self.tolerance, Question { purpose: self.purpose, is_grating, has_long_footprints })
     }
 
     /// Returns the shares of the tolerance that do not depend on footprints.
@@ -207,7 +201,6 @@ impl Default for Optics {
             illuminant: Illuminant::D65,
             tolerance: 1e-2,
             purpose: Purpose::Directions,
-            looser_colours: 1.0,
             basis: Basis::default(),
             terms: None,
             wavelengths: None,

@@ -177,7 +177,7 @@ mod tests {
             display: (0..count)
                 .map(|i: u32| blake3::hash(&i.to_le_bytes()).as_bytes()[..4].try_into().unwrap())
                 .collect(),
-            surrounded: false,
+            is_opaque: false,
         };
         let write = |name: &str| {
             let path = folder.join(name);

@@ -265,10 +265,11 @@ fn draw(
     let progress = SequenceProgress::over(shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let task = progress.of_picture(number);
-        let picture = match &rays {
+        let mut picture = match &rays {
             Some(rays) => reference_picture(rays, &shot.view, work, shown, &task)?,
             None => prepared.draw(&shot.view, &task)?,
         };
+        picture.is_opaque |= scene.display.is_opaque;
         prepare::check(&device)?;
         let mut notes = shot.notes.clone();
         notes.more.extend(prepared.energy_note().map(|note| ("Limit of energy".to_owned(), note)));
@@ -365,6 +366,6 @@ fn reference_picture(
     let samples = ReferenceSamples { sampling, size: settings.size, chosen: &chosen };
     let radiance = reference_mean(&objects, view, &samples, &mut directions, task)?;
     let display = displayed_of(view, settings.size, &radiance, shown);
-    let surrounded = view.background().is_some();
-    Ok(Picture { size: settings.size, radiance, display, surrounded })
+    let is_opaque = view.background().is_some();
+    Ok(Picture { size: settings.size, radiance, display, is_opaque })
 }

@@ -25,6 +25,7 @@ use glam::DVec2;
 use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A reader of one kind of input.
 #[derive(Clone, Copy, Debug)]
@@ -158,8 +159,8 @@ fn colours(bytes: &[u8]) -> Result<()> {
         let count = table.header.numbers_of_mip(mip);
         assert!(count > 0 && texels.len() == count, "a table that does not fit its numbers");
     }
-    let reader = TableReader::new(&table);
     let level = table.header.grid.level(1e-2);
+    let reader = TableReader::new(Arc::new(table));
     for place in [DVec2::ZERO, DVec2::splat(2.0), DVec2::splat(-1e9)] {
         reader.at(place, 2.0, level);
     }

@@ -109,6 +109,7 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
     // The window has no controls for them.
     plain.environment.clone_from(&scene.environment);
     plain.shadows = scene.shadows;
+    (plain.display.background, plain.display.is_opaque) = (scene.display.background, scene.display.is_opaque);
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
     if surface.kind().is_none() {
         surface.load()?; // a file that is none is told before a window opens

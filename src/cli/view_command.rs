@@ -63,7 +63,7 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
             exposure: settings.exposure,
             auto_exposure: false,
             tone: settings.tone,
-            background: scene.display.background,
+            ..scene.display
         },
         options: pairs.filter(is_option).collect(),
         ..scene.clone()
@@ -113,6 +113,9 @@ impl Words {
         words.option("exposure", settings.exposure.to_string());
         if settings.tone != scene.display.tone {
             words.option("tone", settings.tone.name());
+        }
+        if scene.display.is_opaque {
+            words.option("background", scene.display.background.to_string());
         }
         if settings.base_color != scene.main_object().base_color {
             words.option("base-color", ViewSettings::triple(settings.base_color));

@@ -17,6 +17,7 @@ use crate::task::Task;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Directions of an export.
 const DIRECTIONS: usize = 1000;
@@ -62,13 +63,18 @@ impl Conformance {
     ///
     /// # Errors
     /// Too little memory for all orders; a cancelled task.
-    pub fn new(mean: MeanBrdf, settings: &ExportSettings, table: &ColorTable, task: &Task) -> Result<Self> {
+    pub fn new(
+        mean: MeanBrdf,
+        settings: &ExportSettings,
+        table: &Arc<ColorTable>,
+        task: &Task,
+    ) -> Result<Self> {
         let asked = questions(settings.footprint, table.header.coherence_blur.sqrt());
         let pairs: Vec<_> = asked.iter().map(|(pair, [dx, dy])| (*pair, covariance(*dx, *dy))).collect();
         let reflectance = mean.reflectance.clone();
         let exact = TabulatedMean::new(mean, SHORTEST, task)?.limited(Decimation::Coarse);
         let exact = exact.xyz(&settings.illuminant, &pairs, SummedOrders::All, task)?;
-        let reader = TableReader::new(table);
+        let reader = TableReader::new(Arc::clone(table));
         let read: Vec<DVec3> =
             pairs.par_iter().map(|(pair, footprint)| reader.xyz(pair, &reflectance, footprint)).collect();
         let row = |((pair, footprint), (exact, read)): ((Pair, [DVec2; 2]), (DVec3, DVec3))| ConformanceRow {
@@ -299,8 +305,8 @@ pub(super) mod tests {
         HeightField::new(48, 40, [0.09, 0.09], heights).unwrap()
     }
 
-    pub(in crate::export) fn small_table() -> (Conformance, ColorTable) {
-        static MADE: LazyLock<(Conformance, ColorTable)> = LazyLock::new(|| {
+    pub(in crate::export) fn small_table() -> (Conformance, Arc<ColorTable>) {
+        static MADE: LazyLock<(Conformance, Arc<ColorTable>)> = LazyLock::new(|| {
             let made = ExportedMaterial::new(&small_field(), &small_settings(), &Task::silent()).unwrap();
             (made.conformance, made.table)
         });
@@ -359,7 +365,7 @@ pub(super) mod tests {
     #[test]
     fn a_right_port_passes_and_ports_with_one_mistake_do_not() {
         let (conformance, table) = small_table();
-        let reader = TableReader::new(&table);
+        let reader = TableReader::new(Arc::clone(&table));
         let errors = |pair: &dyn Fn(&Pair) -> Pair,
                       footprint: &dyn Fn([DVec2; 2]) -> [DVec2; 2],
                       factor: &dyn Fn(&Pair) -> f64| {

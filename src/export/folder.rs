@@ -243,10 +243,11 @@ impl ExportReader {
 mod tests {
     use super::*;
     use crate::export::conformance::tests::{small_field, small_settings, small_table};
+    use std::sync::Arc;
 
     fn export(folder: &Path) -> Result<()> {
         let (conformance, table) = small_table();
-        let material = ExportedMaterial { table, conformance };
+        let material = ExportedMaterial { table: table.into(), conformance };
         let mut description =
             MaterialDescription::new(&small_field(), &small_settings(), &material, String::new()).unwrap();
         write(folder, &material, &mut description)
@@ -271,7 +272,7 @@ mod tests {
             assert_eq!(names(place.path()), ["material"]);
             let reader = ExportReader::open(&folder).unwrap();
             reader.check().unwrap();
-            assert_eq!((reader.conformance().unwrap(), reader.table().unwrap()), small_table());
+            assert_eq!((reader.conformance().unwrap(), Arc::new(reader.table().unwrap())), small_table());
         }
     }
 

@@ -36,6 +36,7 @@ use crate::surface::HeightField;
 use crate::table::{self, ColorTable, PlannedTable, TableSettings, bake};
 use crate::task::Task;
 use crate::tolerance;
+use std::sync::Arc;
 
 /// Settings of an exported material.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +65,7 @@ pub const LARGEST_FOOTPRINT: f64 = 0.5;
 /// Colour table of a surface with its conformance numbers.
 pub struct ExportedMaterial {
     /// The table.
-    pub table: ColorTable,
+    pub table: Arc<ColorTable>,
     /// Directions with exact colours and those of the table.
     pub conformance: Conformance,
 }
@@ -91,6 +92,7 @@ impl ExportedMaterial {
             table.header.energy = Some(EnergyMap::new(&albedo, &settings.illuminant).points().to_vec());
         }
         drop(series);
+        let table = Arc::new(table);
         let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
         let mean = MeanBrdf {
             field: field.clone(),

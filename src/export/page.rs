@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn a_page_has_all_its_parts_and_names_cannot_become_parts_of_it() {
         let (conformance, table) = small_table();
-        let material = ExportedMaterial { table, conformance };
+        let material = ExportedMaterial { table: table.into(), conformance };
         let page = write(&material, &words(), "PNG", None).unwrap();
         assert!(page.contains("<h1 id=\"name\">a &lt;b&gt; &amp; {{texels}}</h1>"));
         assert_eq!(page.matches("</script>").count(), page.matches("<script").count());
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn a_page_of_too_many_bytes_is_refused() {
         let (conformance, table) = small_table();
-        let material = ExportedMaterial { table, conformance };
+        let material = ExportedMaterial { table: table.into(), conformance };
         let relief = "A".repeat(MOST_PAGE_BYTES);
         let e = write(&material, &words(), &relief, None).unwrap_err().to_string();
         assert!(e.contains("fewer bytes"), "{e}");

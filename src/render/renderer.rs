@@ -142,8 +142,8 @@ pub struct Picture {
     pub radiance: Vec<[f32; 4]>,
     /// Displayed picture, sRGB-encoded opaque RGBA, over the background.
     pub display: Vec<[u8; 4]>,
-    /// True if the background is surroundings, which are part of the picture.
-    pub surrounded: bool,
+    /// True if the background is part of the picture: surroundings, or a background that was asked for.
+    pub is_opaque: bool,
 }
 
 impl Renderer {

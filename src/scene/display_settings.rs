@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::units;
 use glam::DVec3;
+use std::fmt;
 
 /// Display of the radiance of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +17,8 @@ pub struct DisplaySettings {
     pub tone: Tone,
     /// Background of the pixels that no mesh covers.
     pub background: Background,
+    /// True if the background was asked for, so that pictures are opaque.
+    pub is_opaque: bool,
 }
 
 /// Background of the pixels that the mesh does not cover.
@@ -52,6 +55,15 @@ impl Background {
         match self {
             Self::Color(color) => color,
             Self::Surroundings => DARK_GREY,
+        }
+    }
+}
+
+impl fmt::Display for Background {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Color(color) => write!(f, "{},{},{}", color.x, color.y, color.z),
+            Self::Surroundings => f.write_str("surroundings"),
         }
     }
 }

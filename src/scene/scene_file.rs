@@ -210,6 +210,7 @@ impl Scene {
                 auto_exposure: file.exposure.is_auto,
                 tone: file.tone.0,
                 background: file.background,
+                is_opaque: false,
             },
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
         })

@@ -9,22 +9,26 @@ use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Reader of one table.
-pub struct TableReader<'a> {
-    table: &'a ColorTable,
-    energy: Option<&'a [[f32; 2]]>,
+#[derive(Clone, Debug)]
+pub struct TableReader {
+    table: Arc<ColorTable>,
+    // Limits of energy, as in an energy map.
+    energy: Option<Vec<[f32; 2]>>,
 }
 
-impl<'a> TableReader<'a> {
+impl TableReader {
     /// Returns a reader of `table`, within the limit of energy that an export contains.
-    pub fn new(table: &'a ColorTable) -> Self {
-        Self { table, energy: table.header.energy.as_deref() }
+    pub fn new(table: Arc<ColorTable>) -> Self {
+        let energy = table.header.energy.clone();
+        Self { table, energy }
     }
 
     /// Returns the same reader within a limit of energy.
-    pub fn limited(self, energy: Option<&'a EnergyMap>) -> Self {
-        Self { energy: energy.map(EnergyMap::points), ..self }
+    pub fn limited(self, energy: Option<&EnergyMap>) -> Self {
+        Self { energy: energy.map(|map| map.points().to_vec()), ..self }
     }
 
     /// Returns the level to read over `footprint`, and the taps. The level is the coarsest one that averages over no more than the shorter
@@ -53,7 +57,7 @@ impl<'a> TableReader<'a> {
         let read = |tap: Tap| self.at(toward + tap.place, w, level + usize::from(tap.coarser)) * tap.weight;
         let sum: DVec3 = taps.each().map(read).sum();
         let colour = sum * (w * w) + self.specular(toward, w, footprint);
-        let limit = self.energy.map_or(1.0, |points| EnergyMap::limit_of(points, pair));
+        let limit = self.energy.as_ref().map_or(1.0, |points| EnergyMap::limit_of(points, pair));
         colour * self.factor(pair, reflectance) / (w * w * limit)
     }
 

@@ -21,6 +21,7 @@ use crate::surface::synth::{self, Spec, SurfaceKind};
 use crate::task::Task;
 use glam::{DVec2, DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 const IOR: f64 = 1.5;
 
@@ -156,7 +157,7 @@ fn colours_of_metals_keep_the_tolerance() {
             reflectance: reflectance.clone(),
         };
         let exact = TabulatedMean::new(mean, 0.38, &Task::silent()).unwrap();
-        let reader = TableReader::new(&table);
+        let reader = TableReader::new(Arc::new(table.clone()));
         let pairs = pairs(300, 3);
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, Covariance::default())).collect();
         let exact = exact.xyz(&Illuminant::D65, &asked, SummedOrders::All, &Task::silent()).unwrap();
@@ -175,7 +176,7 @@ fn a_table_gives_the_colours_of_the_mean_over_every_footprint() {
     let mean = MeanBrdf { field: field.clone(), sigma, beyond: Beyond::Copies, reflectance: IOR.into() };
     let exact = TabulatedMean::new(mean, 0.38, &Task::silent()).unwrap();
     let table = table(&series(&field, sigma, tolerance), tolerance, 0.0);
-    let reader = TableReader::new(&table);
+    let reader = TableReader::new(Arc::new(table.clone()));
     for footprint in [
         Covariance::default(),
         Covariance { uu: 1e-4, uv: 0.0, vv: 1e-4 },

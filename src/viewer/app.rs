@@ -3,12 +3,13 @@
 use super::event::Event;
 use super::start::Start;
 use super::viewer_window::ViewerWindow;
+use super::work_area;
 use crate::error::{Error, Remedy, Result};
 use crate::vk::instance::Instance;
 use std::sync::Arc;
 use std::time::Instant;
 use winit::application::ApplicationHandler;
-use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::dpi::{LogicalSize, PhysicalSize, Size};
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Window, WindowId};
@@ -43,10 +44,13 @@ impl App {
     }
 
     fn open(&mut self, events: &ActiveEventLoop) -> Result<()> {
-        let [width, height] = self.start.size;
+        let size: Size = match work_area::fitting(events, self.start.size) {
+            Some([width, height]) => PhysicalSize::new(width, height).into(),
+            None => LogicalSize::new(self.start.size[0], self.start.size[1]).into(),
+        };
         let attributes = Window::default_attributes()
             .with_title("diffract")
-            .with_inner_size(LogicalSize::new(width, height))
+            .with_inner_size(size)
             .with_min_inner_size(PhysicalSize::new(1, 1));
         let opened = events.create_window(attributes).map_err(|e| {
             Error::device(format!("the display gives no window ({e})"), Remedy::PictureFile).caused_by(e)
@@ -76,9 +80,14 @@ impl ApplicationHandler<Event> for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(window) = &mut self.window else { return };
         let result = match event {
-            WindowEvent::CloseRequested | WindowEvent::Destroyed => {
+            WindowEvent::CloseRequested => {
                 events.exit();
                 Ok(())
+            }
+            WindowEvent::Destroyed => {
+                // An error that came before is one of its consequences.
+                self.error = None;
+                Err(Error::device("another program has destroyed the window", "open it again"))
             }
             WindowEvent::RedrawRequested => window.redraw(),
             event => {

@@ -117,21 +117,6 @@ pub fn preview(optics: &Optics) -> Option<Optics> {
     (optics.tolerance < TOLERANCE).then(|| optimal(optics, TOLERANCE))
 }
 
-/// Returns the setting for moving pictures: ten times the tolerance.
-pub fn coarse(optics: &Optics) -> Optics {
-    optimal(optics, loose(optics))
-}
-
-/// Returns the factor on the tolerance of the sum over wavelengths in moving pictures; `None` if the setting is loose
-/// already.
-pub fn looser_colours(optics: &Optics) -> Option<f64> {
-    Some(loose(optics) / optics.tolerance).filter(|&factor| factor > 1.5)
-}
-
-fn loose(optics: &Optics) -> f64 {
-    (optics.tolerance * 10.0).clamp(1e-1, 3e-1)
-}
-
 fn optimal(optics: &Optics, tolerance: f64) -> Optics {
     Optics { basis: Basis::Optimal, tolerance, terms: None, wavelengths: None, ..optics.clone() }
 }
@@ -164,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_compared_setting_is_stricter_and_the_moving_picture_looser() {
+    fn the_compared_setting_is_stricter_and_the_preview_looser() {
         for tolerance in [1e-3, 1e-2, 5e-2] {
             let optics = Optics {
                 windows: Windows::ONE,
@@ -173,9 +158,9 @@ mod tests {
                 terms: Some(5),
                 ..Optics::default()
             };
-            assert!(strict(&optics).tolerance < tolerance && coarse(&optics).tolerance > tolerance);
+            assert!(strict(&optics).tolerance < tolerance);
             let first = preview(&optics).unwrap();
-            assert!(first.tolerance >= coarse(&optics).tolerance);
+            assert!(first.tolerance > tolerance);
             assert_eq!(preview(&first), None);
             assert_eq!((strict(&optics).terms, strict(&optics).windows), (None, optics.windows));
         }

@@ -1,6 +1,7 @@
 //! Files that the user chooses to open or to write, and recently opened files.
 
 use crate::surface::files::EXTENSIONS;
+use egui::Key;
 use egui_file_dialog::{DialogState, FileDialog};
 use std::path::{Path, PathBuf};
 
@@ -76,8 +77,12 @@ impl FileChoice {
     pub fn update(&mut self, context: &egui::Context) -> Option<Chosen> {
         let (purpose, dialog) = self.dialog.as_mut()?;
         let purpose = *purpose;
+        // The dialog itself ignores Enter while its search has the focus.
+        let enters = purpose == DialogPurpose::Open && context.input(|input| input.key_pressed(Key::Enter));
+        let selected = dialog.selected_entry().filter(|entry| enters && entry.is_file());
+        let chosen = selected.map(|entry| entry.as_path().to_owned());
         dialog.update(context);
-        let path = dialog.take_picked();
+        let path = dialog.take_picked().or(chosen);
         if path.is_some() || !matches!(dialog.state(), DialogState::Open) {
             self.dialog = None;
         }

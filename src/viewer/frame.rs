@@ -39,14 +39,12 @@ pub struct FrameRequest {
     pub full: Arc<Prepared>,
     /// Setting to compare with, right of the split.
     pub other: Option<Arc<Prepared>>,
-    /// Cheaper setting that replaces `full` at this quality.
-    pub lighter: Option<Arc<Prepared>>,
-    /// Resolution and detail.
+    /// Resolution.
     pub quality: Quality,
-    /// True if camera or lights are moving. Such a frame is finished before a newer request is taken, unless it takes
-    /// too long.
+    /// True if camera or lights are moving, or if no frame of their present positions is shown yet. Such a frame is
+    /// finished before a newer request is taken, unless it takes too long and there is a lower resolution.
     pub moving: bool,
-    /// True to draw even if the same picture is on the device already.
+    /// True to draw even if the same picture is on the device already, as continuous drawing does.
     pub again: bool,
     /// Camera, lights, pigment.
     pub view: View,
@@ -82,6 +80,11 @@ impl FrameRequest {
             && self.view == other.view
     }
 
+    /// Returns true if `frame` shows camera and lights as they are in this request, in a picture of the same size.
+    pub fn is_seen_in(&self, frame: &RenderedFrame) -> bool {
+        frame.view == self.view && frame.size == self.size
+    }
+
     /// Returns true if an error measured on the picture of `other` is valid for this one too.
     pub fn has_the_radiance_of(&self, other: &Self) -> bool {
         self.view == other.view && self.full.number == other.full.number && self.size == other.size
@@ -104,8 +107,12 @@ pub struct RenderedFrame {
     pub images: [Arc<Image>; 2],
     /// Drawn size of each \[pixels\].
     pub sizes: [[u32; 2]; 2],
-    /// Resolution and detail of the frame.
+    /// Resolution of the frame.
     pub quality: Quality,
+    /// Camera, lights and pigment.
+    pub view: View,
+    /// Size of the picture at full resolution \[pixels\].
+    pub size: [u32; 2],
     /// Time on the device \[ms\]; 0 if only the display changed.
     pub gpu_ms: f64,
     /// Elapsed time \[ms\].
@@ -152,7 +159,6 @@ pub(super) mod tests {
             loaded: Arc::new(LoadedScene::of(scene).unwrap()),
             full: Arc::new(Prepared::pigment_alone().unwrap()),
             other: None,
-            lighter: None,
             quality: Quality::WHOLE,
             moving: false,
             again: false,

@@ -6,9 +6,9 @@ use super::error_probe::{self, ProbeTask};
 use super::frame::{FrameRequest, LoadedScene, Pace, PictureCost, RenderedFrame};
 use super::inset::{self, Inset, InsetRequest};
 use super::inspector::reading::Reading;
-use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, Task};
+use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply, RenderWork};
 use super::prepared::Prepared;
-use super::quality::{Detail, Quality};
+use super::quality::Quality;
 use crate::error::{Error, Result};
 use crate::notes::Notes;
 use crate::optics::validity::{LightColour, ScalarTheory};
@@ -118,9 +118,6 @@ struct CountedPicture {
 pub struct FrameRenderer {
     full: Option<Slot>,
     other: Option<Slot>,
-    // Renderers of moving pictures.
-    coarse: Option<Slot>,
-    fewer_wavelengths: Option<Slot>,
     // With the number of the setting it was computed for.
     inset: Option<(Arc<Inset>, u64)>,
     counted: Option<CountedPicture>,
@@ -129,28 +126,20 @@ pub struct FrameRenderer {
 
 /// Time between two progress reports of a picture \[ms\].
 const BETWEEN_REPORTS: f64 = 250.0;
-/// Time after which a frame of a moving scene is abandoned if there is a newer request \[ms\].
+/// Time after which a frame of a moving scene is abandoned if there is a newer request and a lower resolution \[ms\].
 const LONGEST_MOVING_FRAME: f64 = 400.0;
 
 impl FrameRenderer {
     /// Makes the state before the first frame.
     pub fn new(device: Arc<Device>) -> Self {
-        Self {
-            full: None,
-            other: None,
-            coarse: None,
-            fewer_wavelengths: None,
-            inset: None,
-            counted: None,
-            device,
-        }
+        Self { full: None, other: None, inset: None, counted: None, device }
     }
 
     /// Works on the tasks of `queue` until it is stopped.
     pub fn run(mut self, queue: &JobQueue, reply: &dyn Fn(RenderReply)) {
         while let Some(task) = queue.next() {
             let result = match task {
-                Task::Frame(request) => {
+                RenderWork::Frame(request) => {
                     let drawn = self.draw(&request, queue, reply);
                     match drawn {
                         Ok(None) => queue.resume(request),
@@ -159,17 +148,19 @@ impl FrameRenderer {
                     }
                     drawn
                 }
-                Task::Pixel(request) => self.read_pixel(request),
-                Task::Refine(request) => self.refine(request, queue),
-                Task::Job(job) => {
-                    let done = match (self.perform(&job, queue), &job) {
+                RenderWork::Pixel(request) => self.read_pixel(request),
+                RenderWork::Refine(request) => self.refine(request, queue),
+                RenderWork::Job(job) => {
+                    let done = match (self.perform(&job, queue, reply), &job) {
                         (Err(e), Job::Picture(_)) if !self.device.is_lost() => {
                             Ok(Some(RenderReply::Picture(Err(e))))
                         }
-                        (done, _) => done.map(Some),
+                        (done, _) => done,
                     };
-                    let (Job::Picture(request) | Job::Samples(request)) = job;
-                    go_on_with(request, queue);
+                    match (&done, job) {
+                        (Ok(None), job) => queue.put_back(job),
+                        (_, Job::Picture(request) | Job::Samples(request)) => go_on_with(request, queue),
+                    }
                     done
                 }
             };
@@ -193,7 +184,7 @@ impl FrameRenderer {
             let pending = queue.pending();
             pending.stop || pending.frame.is_some()
         };
-        let newer = || superseded() || !queue.pending().jobs.is_empty();
+        let newer = || superseded() || request.again && !queue.pending().jobs.is_empty();
         let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
         let mut told = milliseconds();
         let mut go_on = |what: Side, part: f64| {
@@ -201,27 +192,19 @@ impl FrameRenderer {
                 told = milliseconds();
                 reply(RenderReply::Drawing(what, part as f32));
             }
+            if request.moving {
+                // A frame of a moving scene is short, and the window waits for it.
+                let is_kept = request.quality == Quality::COARSEST || milliseconds() <= LONGEST_MOVING_FRAME;
+                return is_kept && !queue.pending().stop || !newer();
+            }
             queue.give_way();
-            !newer() || (request.moving && milliseconds() <= LONGEST_MOVING_FRAME)
+            !newer()
         };
-        self.drop_outdated(request);
-        let slot = match (request.quality.detail, &request.lighter) {
-            (Detail::Full, _) | (_, None) => &mut self.full,
-            (Detail::Coarse, _) => &mut self.coarse,
-            (Detail::FewerWavelengths, _) => &mut self.fewer_wavelengths,
-        };
-        let prepared = request.lighter.as_ref().unwrap_or(&request.full);
+        let (slot, prepared) = (&mut self.full, &request.full);
         let size = request.quality.size(request.size);
         let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, request));
         let mut own_goes_on = |part| go_on(Side::Own, part);
-        let painted = match paint(&self.device, slot, prepared, request, size, &mut own_goes_on) {
-            Err(e) if e.is_too_large() && request.lighter.is_some() && !self.device.is_lost() => {
-                *slot = None;
-                return Ok(Some(RenderReply::NoRoom(request.quality.detail)));
-            }
-            painted => painted?,
-        };
-        let Some(mut time) = painted else {
+        let Some(mut time) = paint(&self.device, slot, prepared, request, size, &mut own_goes_on)? else {
             return Ok(request.moving.then(|| RenderReply::TooSlow(request.quality, milliseconds())));
         };
         let measured = if request.measured { expose(slot, request.shown, size)? } else { None };
@@ -241,13 +224,15 @@ impl FrameRenderer {
             self.other = None;
         }
         let inset = request.inset.map(|wanted| self.hemisphere(request, wanted)).transpose()?.flatten();
-        // A newer request counts its picture; a job needs no count.
+        // A newer request counts its picture.
         let whole = request.quality == Quality::WHOLE && !superseded();
         let cost = if whole { self.count(request)? } else { None };
         Ok(Some(RenderReply::Frame(Box::new(RenderedFrame {
             images: [left, right],
             sizes: [size; 2],
             quality: request.quality,
+            view: request.view.clone(),
+            size: request.size,
             gpu_ms: time.gpu,
             wall_ms: time.wall,
             first,
@@ -281,6 +266,8 @@ impl FrameRenderer {
             images: [display.clone(), display],
             sizes: [request.size; 2],
             quality: request.quality,
+            view: request.view.clone(),
+            size: request.size,
             gpu_ms: 0.0,
             wall_ms: start.elapsed().as_secs_f64() * 1e3,
             first: false,
@@ -317,14 +304,6 @@ impl FrameRenderer {
         Ok(Some((Arc::new(image), Some(map.total))))
     }
 
-    /// Frees the renderers of moving pictures that belong to a former setting.
-    fn drop_outdated(&mut self, request: &FrameRequest) {
-        for slot in [&mut self.coarse, &mut self.fewer_wavelengths] {
-            // Cheaper settings are requested after the main one, so that their numbers are larger.
-            slot.take_if(|slot| slot.prepared.number < request.full.number);
-        }
-    }
-
     /// Returns the hemisphere `wanted`, computed from a texture that is on the device already.
     fn hemisphere(&mut self, request: &FrameRequest, wanted: InsetRequest) -> Result<Option<Arc<Inset>>> {
         let number = request.full.number;
@@ -333,13 +312,9 @@ impl FrameRenderer {
         {
             return Ok(Some(inset.clone()));
         }
-        let has = |slot: &&mut Slot, number: u64| slot.prepared.number == number;
-        let full = self.full.as_mut().filter(|slot| has(slot, number));
-        // The spectra of moving pictures are accurate enough for an inset of a few thousand points.
-        let lighter = request.lighter.as_ref().map(|prepared| prepared.number);
-        let mut others = [&mut self.coarse, &mut self.fewer_wavelengths].into_iter().flatten();
-        let other = others.find(|slot| lighter.is_some_and(|number| has(slot, number)));
-        let Some(slot) = full.or(other) else { return Ok(None) };
+        let Some(slot) = self.full.as_mut().filter(|slot| slot.prepared.number == number) else {
+            return Ok(None);
+        };
         let inset = Arc::new(inset::hemisphere(&mut slot.renderer, wanted)?);
         self.inset = Some((inset.clone(), number));
         Ok(Some(inset))
@@ -390,30 +365,41 @@ impl FrameRenderer {
         Ok(Some(cost))
     }
 
-    /// Does `job`.
-    fn perform(&mut self, job: &Job, queue: &JobQueue) -> Result<RenderReply> {
+    /// Does `job` and reports the progress of a picture to `reply`; `None` if it was interrupted.
+    fn perform(
+        &mut self,
+        job: &Job,
+        queue: &JobQueue,
+        reply: &dyn Fn(RenderReply),
+    ) -> Result<Option<RenderReply>> {
         let (Job::Picture(request) | Job::Samples(request)) = job;
-        let mut go_on = |_: f64| {
-            queue.give_way();
-            true
-        };
         // Errors are measured on a single sample.
         let sampling = if matches!(job, Job::Samples(_)) { Sampling::ONE } else { request.sampling };
+        let mut told = Instant::now();
+        let mut go_on = |samples: u32, part: f64| {
+            if matches!(job, Job::Picture(_)) && told.elapsed().as_secs_f64() * 1e3 > BETWEEN_REPORTS {
+                told = Instant::now();
+                reply(RenderReply::Saving(((f64::from(samples) + part) / f64::from(sampling.count)) as f32));
+            }
+            queue.give_way();
+            !queue.interrupts_jobs()
+        };
         let drawn = FrameRequest { sampling, ..request.clone() };
-        paint(&self.device, &mut self.full, &request.full, &drawn, request.size, &mut go_on)?;
+        let mut first = |part| go_on(0, part);
+        if paint(&self.device, &mut self.full, &request.full, &drawn, request.size, &mut first)?.is_none() {
+            return Ok(None);
+        }
         let Some(slot) = &mut self.full else {
             return Err(Error::bug("there is no picture"));
         };
-        match job {
+        let done = match job {
             Job::Picture(request) => {
                 let mut samples = 1;
                 while samples < sampling.count {
-                    samples = slot
-                        .add_samples(request, &mut |_| {
-                            queue.give_way();
-                            !queue.pending().stop
-                        })?
-                        .ok_or_else(Error::cancelled)?;
+                    match slot.add_samples(request, &mut |part| go_on(samples, part))? {
+                        Some(all) => samples = all,
+                        None => return Ok(None),
+                    }
                 }
                 let full = &request.full;
                 let note = || {
@@ -425,15 +411,16 @@ impl FrameRenderer {
                     full.scalar_theory.as_ref().map_or_else(note, |found| found.line().to_owned());
                 let notes =
                     Notes::new(String::new(), full.field.prepared()).with_scalar_theory(scalar_theory);
-                Ok(RenderReply::Picture(Ok((Box::new(slot.renderer.read_back()?), notes))))
+                RenderReply::Picture(Ok((Box::new(slot.renderer.read_back()?), notes)))
             }
-            Job::Samples(request) => Ok(RenderReply::Samples(Box::new(ProbeTask {
+            Job::Samples(request) => RenderReply::Samples(Box::new(ProbeTask {
                 samples: error_probe::samples(&mut slot.renderer, &request.view)?,
                 prepared: request.full.clone(),
                 view: request.view.clone(),
                 exposure: request.shown.exposure,
-            }))),
-        }
+            })),
+        };
+        Ok(Some(done))
     }
 }
 

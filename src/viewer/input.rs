@@ -17,7 +17,7 @@ const GESTURES: [(&str, &str); 9] = [
     ("Shift + right drag", "turn the surroundings"),
     ("double click", "look at the point under the pointer"),
     ("drag the line", "move the split"),
-    ("Esc", "close a list, this list, the window"),
+    ("Esc", "close a list or a pane, end a comparison or a recording, close the window"),
 ];
 
 /// Iterates over all keys and gestures with their meanings, as F1 lists them.
@@ -43,7 +43,7 @@ pub fn keys(ui: &Ui, model: &mut Model) {
     }
 }
 
-/// Closes the topmost pane, or the window if none is open.
+/// Closes the topmost pane, then the comparison, then the recording, then the window.
 fn close_innermost(model: &mut Model) {
     if model.visible.help {
         model.visible.help = false;
@@ -51,6 +51,8 @@ fn close_innermost(model: &mut Model) {
         model.inspector.close();
     } else if model.surface_pane.open {
         model.surface_pane.open = false;
+    } else if model.comparison.mode != Compare::Alone {
+        (model.comparison.mode, model.comparison.whole) = (Compare::Alone, None);
     } else if model.recording.is_some() {
         model.actions.record = true;
     } else {

@@ -15,6 +15,8 @@ use glam::DVec3;
 
 /// Width of the pane's contents [points].
 const WIDTH: f32 = 264.0;
+/// Width of the picture from which the pane opens over the picture [points].
+const LEAST_PICTURE: f32 = 2.0 * WIDTH;
 /// Height of the spectrum [points].
 const PLOT: f32 = 84.0;
 /// Width of a wavelength label below the spectrum [points].
@@ -28,14 +30,17 @@ pub fn show(ui: &Ui, rect: Rect, model: &mut Model) {
         return;
     }
     let mut open = true;
-    let corner = pos2((rect.right() - WIDTH - 56.0).max(rect.left()), rect.top() + 12.0);
+    // In a small window it opens over the panel, and leaves the picture visible.
+    let area = if rect.width() < LEAST_PICTURE { ui.ctx().content_rect() } else { rect };
+    let inward = if area == rect { 56.0 } else { 22.0 };
+    let corner = pos2((area.right() - WIDTH - inward).max(area.left()), area.top() + 12.0);
     egui::Window::new("Inspector")
         .open(&mut open)
         .collapsible(false)
         .resizable(false)
         .default_pos(corner)
         .default_size([WIDTH, (rect.height() - 70.0).max(80.0)])
-        .constrain_to(rect)
+        .constrain_to(area)
         .show(ui.ctx(), |ui| {
             ScrollArea::vertical().max_height((rect.height() - 70.0).max(80.0)).show(ui, |ui| {
                 ui.set_width(WIDTH);

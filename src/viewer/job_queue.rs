@@ -4,14 +4,14 @@ use super::compare::Side;
 use super::error_probe::ProbeTask;
 use super::frame::{FrameRequest, RenderedFrame};
 use super::inspector::reading::Reading;
-use super::quality::{Detail, Quality};
+use super::quality::Quality;
 use crate::error::{Error, Result};
 use crate::notes::Notes;
 use crate::render::renderer::Picture;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Work that is done once and never replaced by a newer request.
+/// Work that is done once and never replaced by a newer request. It gives way to frames, and goes on after them.
 pub enum Job {
     /// Draw the whole frame and return it as a picture.
     Picture(FrameRequest),
@@ -35,10 +35,10 @@ pub enum RenderReply {
     Frame(Box<RenderedFrame>),
     /// Fraction of a picture that is drawn.
     Drawing(Side, f32),
+    /// Fraction of the picture of a [`Job::Picture`] that is drawn.
+    Saving(f32),
     /// A frame of a moving scene was abandoned after this time \[ms\].
     TooSlow(Quality, f64),
-    /// The device is out of memory for the spectra of moving pictures.
-    NoRoom(Detail),
     /// Picture of [`Job::Picture`] with a description of the errors of scalar theory for its surface, or an error.
     Picture(Result<(Box<Picture>, Notes)>),
     /// Pixels of [`Job::Samples`].
@@ -69,8 +69,8 @@ pub struct Pending {
 /// Longest wait for the window, which may be hidden.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
-/// Next task of the render thread.
-pub enum Task {
+/// Next work of the render thread.
+pub enum RenderWork {
     /// Draw a frame.
     Frame(FrameRequest),
     /// Read a pixel.
@@ -98,6 +98,17 @@ impl JobQueue {
     pub fn update(&self, change: impl FnOnce(&mut Pending)) {
         change(&mut self.pending());
         self.changed.notify_one();
+    }
+
+    /// Returns true if a job is to be interrupted.
+    pub fn interrupts_jobs(&self) -> bool {
+        let pending = self.pending();
+        pending.stop || pending.frame.as_ref().is_some_and(|frame| !frame.again)
+    }
+
+    /// Puts back an interrupted job, before the others.
+    pub fn put_back(&self, job: Job) {
+        self.pending().jobs.insert(0, job);
     }
 
     /// Puts back `request` if it was abandoned for a job rather than for a newer request.
@@ -128,25 +139,27 @@ impl JobQueue {
         }
     }
 
-    /// Waits for the next task, jobs first; `None` if the thread is to end.
-    pub fn next(&self) -> Option<Task> {
+    /// Waits for the next task; `None` if the thread is to end. Frames come first, so that the window follows the hand while
+    /// a job waits; frames of continuous drawing come after jobs, which would never be done otherwise.
+    pub fn next(&self) -> Option<RenderWork> {
         let mut pending = self.pending();
         loop {
             if pending.stop {
                 return None;
             }
-            if !pending.jobs.is_empty() {
-                return Some(Task::Job(pending.jobs.remove(0)));
+            let waits = !pending.jobs.is_empty();
+            if waits && pending.frame.as_ref().is_none_or(|frame| frame.again) {
+                return Some(RenderWork::Job(pending.jobs.remove(0)));
             }
             if let Some(request) = pending.frame.take() {
                 pending.refined = None;
-                return Some(Task::Frame(request));
+                return Some(RenderWork::Frame(request));
             }
             if let Some(request) = pending.pixel.take() {
-                return Some(Task::Pixel(request));
+                return Some(RenderWork::Pixel(request));
             }
             if let Some(request) = pending.refined.take() {
-                return Some(Task::Refine(request));
+                return Some(RenderWork::Refine(request));
             }
             pending = self.changed.wait(pending).unwrap_or_else(PoisonError::into_inner);
         }
@@ -159,12 +172,12 @@ mod tests {
     use std::time::Instant;
 
     #[test]
-    fn jobs_go_first_then_the_newest_frame_and_samples_are_added_last() {
-        let name = |task: Task| match task {
-            Task::Job(_) => "job",
-            Task::Frame(_) => "frame",
-            Task::Pixel(_) => "pixel",
-            Task::Refine(_) => "refine",
+    fn frames_go_before_jobs_continuous_ones_after_them_and_samples_are_added_last() {
+        let name = |task: RenderWork| match task {
+            RenderWork::Job(_) => "job",
+            RenderWork::Frame(_) => "frame",
+            RenderWork::Pixel(_) => "pixel",
+            RenderWork::Refine(_) => "refine",
         };
         let queue = JobQueue::default();
         let frame = || crate::viewer::frame::tests::request();
@@ -176,8 +189,14 @@ mod tests {
         queue.resume(frame());
         assert!(queue.pending().frame.is_none());
         queue.update(|pending| pending.jobs.push(Job::Picture(frame())));
-        queue.resume(frame());
+        queue.resume(FrameRequest { again: true, ..frame() });
+        assert!(!queue.interrupts_jobs());
         assert_eq!([(); 2].map(|()| name(queue.next().unwrap())), ["job", "frame"]);
+        // A job gives way to the hand.
+        queue.update(|pending| pending.frame = Some(frame()));
+        assert!(queue.interrupts_jobs());
+        queue.put_back(Job::Picture(frame()));
+        assert_eq!([(); 2].map(|()| name(queue.next().unwrap())), ["frame", "job"]);
         // Another frame ends the refinement of the last one.
         queue.refine(frame());
         queue.update(|pending| pending.frame = Some(frame()));

@@ -30,24 +30,39 @@ pub fn show(ui: &mut Ui, touched: Rect, picture: Rect, model: &mut Model) {
     if !model.visible.lights || size.contains(&0) {
         return;
     }
-    let camera = model.settings.shown_camera(&model.loaded.scene);
+    // The handles move with the picture, which may be a frame behind the settings.
+    let seen = model.frame.as_ref().map(|frame| &frame.view);
+    let camera = seen.map_or_else(|| model.settings.shown_camera(&model.loaded.scene), |view| view.camera);
     let frame = Frame { camera, size, corner: picture.min };
     let bounds = model.loaded.scene.bounds();
     let room = Room { centre: bounds.centre.as_dvec3(), unit: model.loaded.scene.unit };
     let painter = ui.painter_at(picture);
     for (number, light) in model.settings.lights.iter_mut().enumerate() {
-        let Some(at) = frame.place(&light.emitter).filter(|at| touched.contains(*at)) else { continue };
+        let drawn = seen.and_then(|view| view.lights.get(number));
+        let shown = drawn.map_or(light.emitter, |drawn| placed_as(light.emitter, drawn.emitter));
+        let Some(at) = frame.place(&shown).filter(|at| touched.contains(*at)) else { continue };
         let around = Rect::from_center_size(at, vec2(2.0 * REACH, 2.0 * REACH));
         let handle = ui.interact(around, ui.id().with(("light handle", number)), Sense::drag());
         let is_held = handle.dragged();
         if handle.hovered() || is_held {
             ui.ctx().set_cursor_icon(if is_held { CursorIcon::Grabbing } else { CursorIcon::Grab });
-            frame.name(&painter, at, number, &light.emitter);
+            frame.name(&painter, at, number, &shown);
         }
         if let Some(to) = handle.interact_pointer_pos().filter(|to| is_held && *to != at) {
             light.emitter = frame.moved(light.emitter, to);
         }
-        frame.draw(&painter, at, &light.emitter, &room);
+        frame.draw(&painter, at, &shown, &room);
+    }
+}
+
+/// Returns `light` at the position of `drawn`, if both are of one kind.
+fn placed_as(light: Emitter, drawn: Emitter) -> Emitter {
+    match (light, drawn) {
+        (Emitter::Far(light), Emitter::Far(drawn)) => {
+            FarLight { theta: drawn.theta, phi: drawn.phi, ..light }.into()
+        }
+        (Emitter::Lamp(light), Emitter::Lamp(drawn)) => Lamp { middle: drawn.middle, ..light }.into(),
+        (light, _) => light,
     }
 }
 

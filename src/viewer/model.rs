@@ -8,10 +8,11 @@ use super::files::FileChoice;
 use super::frame::{LoadedScene, RenderedFrame};
 use super::framing;
 use super::graph::History;
+use super::guesses::Guesses;
 use super::inset::InsetRequest;
 use super::inspector::Inspector;
 use super::prepared::{Prepared, ROLES, Role};
-use super::quality::{Detail, Quality, QualityControl};
+use super::quality::{Quality, QualityControl};
 use super::surface_pane::SurfacePane;
 use super::view_settings::{Needs, ViewSettings};
 use crate::error::Error;
@@ -162,12 +163,17 @@ pub struct Sources {
     pub preview: Option<Preview>,
     /// Settings requested by the user.
     pub full: Option<Arc<Prepared>>,
-    /// For moving pictures: fewer terms and wavelengths.
-    pub coarse: Option<Arc<Prepared>>,
-    /// For moving pictures: fewer wavelengths.
-    pub fewer_wavelengths: Option<Arc<Prepared>>,
     /// Progress by [`Role`].
     pub progress: [Option<TaskProgress>; ROLES],
+}
+
+/// Progress of a picture that is being saved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavingProgress {
+    /// Description.
+    pub text: String,
+    /// Fraction done.
+    pub part: f32,
 }
 
 /// Progress of a setting in preparation.
@@ -193,24 +199,6 @@ impl Sources {
         self.shown().map_or(Stage::Pigment, |(_, stage)| stage)
     }
 
-    /// Returns the data that moving pictures of `detail` are drawn from, if it is ready; `None` for full detail.
-    pub fn lighter(&self, detail: Detail) -> Option<&Arc<Prepared>> {
-        match detail {
-            Detail::Full => None,
-            Detail::Coarse => self.coarse.as_ref(),
-            Detail::FewerWavelengths => self.fewer_wavelengths.as_ref(),
-        }
-    }
-
-    /// Drops the data of moving pictures of `detail`.
-    pub fn discard(&mut self, detail: Detail) {
-        match detail {
-            Detail::Full => {}
-            Detail::Coarse => self.coarse = None,
-            Detail::FewerWavelengths => self.fewer_wavelengths = None,
-        }
-    }
-
     /// Returns a description of the running computation, and the fraction done.
     pub fn in_progress(&self) -> Option<(&'static str, f32)> {
         let full = match self.stage() {
@@ -223,8 +211,6 @@ impl Sources {
             (Role::Own, full),
             (Role::Other, "preparing the comparison"),
             (Role::AsSeen, "preparing colours for this view"),
-            (Role::Coarse, "preparing previews"),
-            (Role::FewerWavelengths, "preparing previews"),
         ];
         named.into_iter().find_map(|(role, name)| {
             let TaskProgress { done, of } = self.progress[role as usize]?;
@@ -237,7 +223,7 @@ impl Sources {
 pub struct Pacing {
     /// Recent frame times.
     pub history: History,
-    /// Detail and resolution while moving.
+    /// Resolution while moving.
     pub quality: QualityControl,
     /// Target frame rate while moving \[frames per second\].
     pub fps: f64,
@@ -342,6 +328,10 @@ pub struct Model {
     pub turntable: u32,
     /// Progress of the recording of a turntable, if one is running.
     pub recording: Option<TaskProgress>,
+    /// Picture that is being saved, if one is.
+    pub saving: Option<SavingProgress>,
+    /// Message about the picture that was saved last, until the next one.
+    pub saved: Option<String>,
     /// Side being drawn and the fraction done, if drawing takes long.
     pub drawing: Option<(Side, f32)>,
     /// Last notice for the user.
@@ -350,6 +340,8 @@ pub struct Model {
     pub failure: Option<Failure>,
     /// Surfaces from files, to choose again.
     pub files: Vec<SurfaceSource>,
+    /// Scales of height images that are assumed.
+    pub guesses: Guesses,
     /// Files to open and to write.
     pub file_choice: FileChoice,
     /// Visibility of the parts of the user interface.
@@ -405,9 +397,12 @@ impl Model {
             inset_side: 132.0,
             turntable: 120,
             recording: None,
+            saving: None,
+            saved: None,
             drawing: None,
             failure: None,
             files: Vec::new(),
+            guesses: Guesses::default(),
             file_choice: FileChoice::default(),
             visible: Visible { panel: true, help: false, inset: true, lights: true, typing: false },
             size: [0, 0],
@@ -585,25 +580,25 @@ impl Model {
         if is_one { Sampling::ONE } else { self.settings.sampling() }
     }
 
-    /// Returns the quality of the next frame.
-    pub fn quality(&self) -> Quality {
-        self.quality_after(self.frame.as_ref().map(|frame| frame.number))
+    /// Returns the quality of the next frame. `is_seen`: the displayed frame shows the same view already. Any other view is
+    /// shown at the resolution of moving pictures first.
+    pub fn quality(&self, is_seen: bool) -> Quality {
+        self.quality_after(self.frame.as_ref().map(|frame| frame.number), is_seen)
     }
 
     /// Returns the quality of the frame after one of the setting with this number.
-    fn quality_after(&self, frame: Option<u64>) -> Quality {
+    fn quality_after(&self, frame: Option<u64>, is_seen: bool) -> Quality {
         let stand_in = self.sources.shown().filter(|(_, stage)| *stage != Stage::Own);
-        match (frame, stand_in, self.pacing.moving) {
+        let moving = self.pacing.moving || !is_seen;
+        match (frame, stand_in) {
             // The first frame appears at once, at low resolution, even while moving.
-            (None, ..) => Quality::FIRST,
+            (None, _) => Quality::FIRST,
+            (_, Some(_)) if moving => self.pacing.quality.moving().max(Quality::FIRST),
             // A preview also appears at once and leaves the cores to the preparation of the requested setting.
-            (Some(number), Some((shown, _)), false) if shown.number == number => Quality::PREVIEW,
-            (_, Some(_), _) => Quality::FIRST,
-            (_, None, false) => Quality::WHOLE,
-            // A comparison always shows the two settings it names.
-            _ => self.pacing.quality.moving(|detail| {
-                self.comparison.mode == Compare::Alone && self.sources.lighter(detail).is_some()
-            }),
+            (Some(number), Some((shown, _))) if shown.number == number => Quality::PREVIEW,
+            (_, Some(_)) => Quality::FIRST,
+            (_, None) if moving => self.pacing.quality.moving(),
+            (_, None) => Quality::WHOLE,
         }
     }
 
@@ -687,14 +682,21 @@ mod tests {
         let mut model = model();
         let prepared = Arc::new(Prepared { number: 7, ..Prepared::pigment_alone().unwrap() });
         model.sources.pigment = Some(prepared.clone());
-        assert_eq!(model.quality_after(None), Quality::FIRST);
-        assert_eq!(model.quality_after(Some(6)), Quality::FIRST, "another picture stands there");
-        assert_eq!(model.quality_after(Some(7)), Quality::PREVIEW);
+        assert_eq!(model.quality_after(None, false), Quality::FIRST);
+        assert_eq!(model.quality_after(Some(6), true), Quality::FIRST, "another picture stands there");
+        assert_eq!(model.quality_after(Some(7), true), Quality::PREVIEW);
         model.pacing.moving = true;
-        assert_eq!(model.quality_after(Some(7)), Quality::FIRST);
+        assert_eq!(model.quality_after(Some(7), true), Quality::FIRST);
         model.pacing.moving = false;
         model.sources.full = Some(prepared);
-        assert_eq!(model.quality_after(Some(6)), Quality::WHOLE);
+        assert_eq!(model.quality_after(Some(6), true), Quality::WHOLE);
+        model.pacing.quality.record(Quality::WHOLE, 500.0, false);
+        assert_eq!(
+            model.quality_after(Some(7), false),
+            Quality { divisor: 3 },
+            "another view is there first"
+        );
+        assert_eq!(model.quality_after(Some(7), true), Quality::WHOLE);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::file_pane;
 use super::hemisphere;
 use super::input;
 use super::inspector_pane;
-use super::model::{Comparison, Model, TaskProgress};
+use super::model::{Comparison, Model, SavingProgress, TaskProgress};
 use super::palette_pane;
 use super::quality::Quality;
 use super::style;
@@ -55,7 +55,7 @@ fn note(painter: &Painter, at: egui::Pos2, anchor: Align2, width: f32, text: &st
     rect
 }
 
-/// Shows the running computation, the last notice and the last error, from the bottom up.
+/// Shows the running computation, the picture that is saved, the last notice and the last error, from the bottom up.
 fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
     let mut at = rect.left_bottom() + vec2(MARGIN, -MARGIN);
     let width = (rect.width() - 4.0 * MARGIN - HANDLE).max(60.0);
@@ -84,7 +84,10 @@ fn state(ui: &Ui, painter: &Painter, rect: Rect, model: &mut Model) {
         let what = format!("recording a turntable, {done} of {of} pictures; Esc stops");
         at.y = progress(painter, at, width, &what, done as f32 / of.max(1) as f32).top() - 6.0;
     }
-    if let Some(text) = &model.notice {
+    if let Some(SavingProgress { text, part }) = &model.saving {
+        at.y = progress(painter, at, width, text, *part).top() - 6.0;
+    }
+    for text in [&model.saved, &model.notice].into_iter().flatten() {
         at.y = note(painter, at, Align2::LEFT_BOTTOM, width, text, style::TEXT).top() - 6.0;
     }
     if let Some(failure) = &model.failure {
@@ -224,17 +227,20 @@ fn scale(painter: &Painter, rect: Rect, metric: Metric) {
     }
 }
 
-/// Lists the keys and gestures, in two columns if they fit side by side.
+/// Lists the keys and gestures over the width of the window, in two columns if they fit side by side.
 fn help(ui: &mut Ui, model: &mut Model) {
     /// Size of the frame and title of the list of keys.
     const FRAME: egui::Vec2 = vec2(40.0, 70.0);
-    /// Width of the keys and of their descriptions.
-    const WIDTHS: [f32; 2] = [160.0, 250.0];
+    /// Width of the keys, and the least width of their descriptions in two columns.
+    const WIDTHS: [f32; 2] = [160.0, 230.0];
+    /// Spaces and the scroll bar.
+    const SPACES: f32 = 24.0;
     let room = ui.ctx().content_rect().size() - FRAME;
-    let is_wide = room.x > 2.0 * (WIDTHS[0] + WIDTHS[1]) + 24.0;
-    let whats = WIDTHS[1].min(room.x - WIDTHS[0]);
+    let is_wide = room.x > 2.0 * (WIDTHS[0] + WIDTHS[1] + SPACES);
+    let count = if is_wide { 2 } else { 1 };
+    let whats = (room.x / count as f32 - WIDTHS[0] - SPACES).max(60.0);
     let rows: Vec<(String, &str)> = input::list().collect();
-    let columns = rows.chunks(if is_wide { rows.len().div_ceil(2) } else { rows.len() });
+    let columns = rows.chunks(rows.len().div_ceil(count));
     egui::Window::new("Keys")
         .open(&mut model.visible.help)
         .collapsible(false)

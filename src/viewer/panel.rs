@@ -1,6 +1,7 @@
 //! Panel: settings and their cost.
 
 mod cost;
+mod number_field;
 mod optics;
 pub(super) mod rows;
 mod scene;
@@ -46,9 +47,14 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
 
 /// Shows a section with a heading that opens and closes it.
 fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
+    section_opened(ui, title, false, add);
+}
+
+/// Shows a section as [`section`] does; `opens`: it opens now if it is closed.
+fn section_opened(ui: &mut Ui, title: &str, opens: bool, add: impl FnOnce(&mut Ui)) {
     ui.add_space(3.0);
     let title = RichText::new(title).color(style::ACCENT).strong();
-    CollapsingHeader::new(title).default_open(true).show_unindented(ui, add);
+    CollapsingHeader::new(title).default_open(true).open(opens.then_some(true)).show_unindented(ui, add);
 }
 
 /// Returns the file name of a path.

@@ -20,14 +20,10 @@ pub enum Role {
     Other,
     /// Main picture, with the resolution of (u, v) that the present view needs.
     AsSeen,
-    /// Moving pictures, with fewer wavelengths and terms.
-    Coarse,
-    /// Moving pictures, with fewer wavelengths.
-    FewerWavelengths,
 }
 
 /// Number of roles.
-pub const ROLES: usize = 6;
+pub const ROLES: usize = 4;
 
 impl Prepared {
     /// Returns a surface that does not diffract, for use before any other is ready.

@@ -45,6 +45,8 @@ pub struct Presenter {
     swapchain: Option<Swapchain>,
     outdated: bool,
     mode: vk::PresentModeKHR,
+    // Of the window [pixels].
+    size: [u32; 2],
     surface: Arc<Surface>,
     window: Arc<Window>,
     device: Arc<Device>,
@@ -79,6 +81,7 @@ impl Presenter {
             swapchain: None,
             outdated: true,
             mode,
+            size: window.inner_size().into(),
             surface: surface.clone(),
             window: window.clone(),
             device: device.clone(),
@@ -90,9 +93,9 @@ impl Presenter {
         &self.device
     }
 
-    /// Recreates the swapchain before the next frame, because the window was resized.
-    pub fn resized(&mut self) {
-        self.outdated = true;
+    /// Recreates the swapchain before the next frame, because the window has `size` pixels now.
+    pub fn resized(&mut self, size: [u32; 2]) {
+        (self.size, self.outdated) = (size, true);
     }
 
     /// Returns the presentation mode.
@@ -155,8 +158,7 @@ impl Presenter {
     /// Recreates the swapchain.
     fn recreate_swapchain(&mut self) -> Result<()> {
         self.frames.iter_mut().try_for_each(|frame| frame.commands.wait())?;
-        let size: [u32; 2] = self.window.inner_size().into();
-        match Swapchain::new(&self.device, &self.surface, size, self.mode, self.swapchain.take())? {
+        match Swapchain::new(&self.device, &self.surface, self.size, self.mode, self.swapchain.take())? {
             Presented::Done(swapchain) => {
                 // A window without area gets a swapchain once it has one.
                 self.outdated = swapchain.is_none();

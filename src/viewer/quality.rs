@@ -1,51 +1,26 @@
-//! Adaptive quality: reduces the work of frames while camera or lights move, so that they keep to a time budget.
+//! Adaptive quality: reduces the resolution of frames while camera or lights move, so that they keep to a time budget.
 
 use std::fmt;
 
-/// Level of detail of the spectra that a frame is summed from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Detail {
-    /// Main setting.
-    Full,
-    /// Same number of terms at fewer wavelengths.
-    FewerWavelengths,
-    /// Fewer terms at fewer wavelengths.
-    Coarse,
-}
-
-impl Detail {
-    const ALL: [Self; 3] = [Self::Full, Self::FewerWavelengths, Self::Coarse];
-
-    /// Returns the estimated frame time over that of [`Detail::Full`], used until a frame was timed.
-    const fn estimated_cost(self) -> f64 {
-        match self {
-            Self::Full => 1.0,
-            Self::FewerWavelengths => 0.65,
-            Self::Coarse => 1.0 / 3.0,
-        }
-    }
-}
-
-/// Quality of a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Quality of a frame. The larger, the coarser.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Quality {
-    /// Level of detail of the spectra.
-    pub detail: Detail,
-    /// Window pixels per rendered pixel along one side, 1 … 4.
+    /// Window pixels per rendered pixel along one side, one of [`DIVISORS`].
     pub divisor: u32,
 }
 
-/// Largest [`Quality::divisor`].
-const LARGEST_DIVISOR: u32 = 4;
+/// All values of [`Quality::divisor`].
+const DIVISORS: [u32; 5] = [1, 2, 3, 4, 8];
 
 impl Quality {
-    /// Full detail and resolution.
-    pub const WHOLE: Self = Self { detail: Detail::Full, divisor: 1 };
-    /// Quality of the very first frame, which should appear at once.
-    pub const FIRST: Self = Self { detail: Detail::Full, divisor: LARGEST_DIVISOR };
-
+    /// Full resolution.
+    pub const WHOLE: Self = Self { divisor: 1 };
     /// Quality of previews, shown while the user's setting is prepared.
-    pub const PREVIEW: Self = Self { detail: Detail::Full, divisor: 2 };
+    pub const PREVIEW: Self = Self { divisor: 2 };
+    /// Quality of the very first frame, which should appear at once.
+    pub const FIRST: Self = Self { divisor: 4 };
+    /// Lowest resolution. A moving frame of this quality is always finished and shown.
+    pub const COARSEST: Self = Self { divisor: 8 };
 
     /// Returns the pixels to render for a picture of `size`.
     pub fn size(self, size: [u32; 2]) -> [u32; 2] {
@@ -60,41 +35,35 @@ impl Quality {
 
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let spectra = match self.detail {
-            Detail::Full => None,
-            Detail::FewerWavelengths => Some("fewer wavelengths"),
-            Detail::Coarse => Some("fewer wavelengths and terms"),
-        };
-        match (spectra, self.divisor) {
-            (None, 1) => f.write_str("full quality"),
-            (Some(spectra), 1) => write!(f, "preview, {spectra}"),
-            (None, n) => write!(f, "preview 1/{n}"),
-            (Some(spectra), n) => write!(f, "preview 1/{n}, {spectra}"),
+        match self.divisor {
+            1 => f.write_str("full quality"),
+            n => write!(f, "preview 1/{n}"),
         }
     }
 }
 
-/// Frame time of a quality \[ms\].
+/// Time of the last frame.
 #[derive(Clone, Copy, Debug)]
-struct Time {
+struct FrameTiming {
+    quality: Quality,
     milliseconds: f64,
-    // True if measured with another setting, or on the first frame of a renderer, which includes one-off work of the
-    // driver. The next measurement replaces the time instead of being averaged with it.
+    // True if measured with another setting, on an abandoned frame, or on the first frame of a renderer, which includes
+    // one-off work of the driver. The next measurement replaces the time instead of being averaged with it.
     provisional: bool,
 }
 
-/// Chooses the quality of moving frames from measured frame times.
+/// Chooses the quality of moving frames from the time of the last frames.
 #[derive(Clone, Debug)]
 pub struct QualityControl {
     // [ms]
     budget: f64,
-    times: [[Option<Time>; LARGEST_DIVISOR as usize]; Detail::ALL.len()],
+    last: Option<FrameTiming>,
 }
 
 impl QualityControl {
     /// Makes a control for `fps` frames a second.
     pub fn new(fps: f64) -> Self {
-        Self { budget: 1e3 / fps, times: Default::default() }
+        Self { budget: 1e3 / fps, last: None }
     }
 
     /// Returns the time that a frame may take \[ms\].
@@ -107,60 +76,34 @@ impl QualityControl {
         self.budget = 1e3 / fps;
     }
 
-    /// Marks all times as provisional, because surface, size or setting changed. They are used until new ones are
-    /// known.
+    /// Marks the time as provisional, because surface, size or setting changed.
     pub fn invalidate(&mut self) {
-        self.times.iter_mut().flatten().flatten().for_each(|time| time.provisional = true);
+        self.last.iter_mut().for_each(|last| last.provisional = true);
     }
 
-    /// Records a frame of `quality` that took `milliseconds`; `first` if it was the first of its renderer.
-    pub fn record(&mut self, quality: Quality, milliseconds: f64, first: bool) {
+    /// Records a frame of `quality` that took `milliseconds`; `provisional` if later frames may take another time.
+    pub fn record(&mut self, quality: Quality, milliseconds: f64, provisional: bool) {
         /// Weight of the newest frame in the exponential mean; limits the effect of a single slow frame.
         const NEWEST: f64 = 0.4;
-        let slot = &mut self.times[quality.detail as usize][quality.divisor as usize - 1];
-        let milliseconds = match slot {
-            Some(old) if !old.provisional => (1.0 - NEWEST) * old.milliseconds + NEWEST * milliseconds,
+        let milliseconds = match self.last {
+            Some(last) if last.quality == quality && !last.provisional => {
+                (1.0 - NEWEST) * last.milliseconds + NEWEST * milliseconds
+            }
             _ => milliseconds,
         };
-        *slot = Some(Time { milliseconds, provisional: first });
+        self.last = Some(FrameTiming { quality, milliseconds, provisional });
     }
 
-    /// Returns true if frames of full quality are known to exceed the budget.
-    pub fn is_slow(&self) -> bool {
-        self.measured(Quality::WHOLE).is_some_and(|time| time > self.budget)
+    /// Returns the quality of a moving frame: the best one that is expected to keep to the budget.
+    pub fn moving(&self) -> Quality {
+        let all = DIVISORS.map(|divisor| Quality { divisor });
+        all.into_iter().find(|quality| self.expected(*quality) <= self.budget).unwrap_or(Quality::COARSEST)
     }
 
-    /// Returns the quality of a moving frame: the best one that is expected to keep to the budget. Detail is reduced
-    /// before resolution, because that costs less accuracy. `is_ready` returns true for the spectra that exist beside
-    /// those of full detail.
-    pub fn moving(&self, is_ready: impl Fn(Detail) -> bool) -> Quality {
-        let details = Detail::ALL.into_iter().filter(|&detail| detail == Detail::Full || is_ready(detail));
-        let lightest = details.clone().last().unwrap_or(Detail::Full);
-        let full_size = details.map(|detail| Quality { detail, divisor: 1 });
-        let smaller = (2..=LARGEST_DIVISOR).map(|divisor| Quality { detail: lightest, divisor });
-        let fits = |quality: &Quality| self.expected(*quality).is_none_or(|time| time <= self.budget);
-        let worst = Quality { detail: lightest, divisor: LARGEST_DIVISOR };
-        full_size.chain(smaller).find(fits).unwrap_or(worst)
-    }
-
-    fn measured(&self, quality: Quality) -> Option<f64> {
-        self.times[quality.detail as usize][quality.divisor as usize - 1].map(|time| time.milliseconds)
-    }
-
-    /// Returns the expected frame time \[ms\]. Without a measurement of this quality it is scaled by the number of
-    /// pixels from the nearest measured resolution; without any measurement of this detail, from full detail.
-    fn expected(&self, quality: Quality) -> Option<f64> {
-        let all_sizes = (1..=LARGEST_DIVISOR).map(|divisor| Quality { divisor, ..quality });
-        let measured = all_sizes.filter_map(|q| self.measured(q).map(|time| (q, time)));
-        let nearest = measured.min_by_key(|(q, _)| q.divisor.abs_diff(quality.divisor));
-        match nearest {
-            Some((nearest, time)) => Some(time * quality.pixels() / nearest.pixels()),
-            None if quality.detail == Detail::Full => None,
-            None => {
-                let full = self.expected(Quality { detail: Detail::Full, ..quality })?;
-                Some(full * quality.detail.estimated_cost())
-            }
-        }
+    /// Returns the expected frame time \[ms\]: that of the last frame, scaled by the number of pixels; 0 before the first
+    /// frame.
+    fn expected(&self, quality: Quality) -> f64 {
+        self.last.map_or(0.0, |last| last.milliseconds * quality.pixels() / last.quality.pixels())
     }
 }
 
@@ -168,67 +111,44 @@ impl QualityControl {
 mod tests {
     use super::*;
 
-    const WAVELENGTHS: Quality = Quality { detail: Detail::FewerWavelengths, divisor: 1 };
-    const COARSE: Quality = Quality { detail: Detail::Coarse, divisor: 1 };
-
-    fn all(_: Detail) -> bool {
-        true
-    }
-
-    fn none(_: Detail) -> bool {
-        false
+    fn preview(divisor: u32) -> Quality {
+        Quality { divisor }
     }
 
     #[test]
     fn a_picture_that_is_fast_enough_stays_whole() {
         let mut control = QualityControl::new(15.0);
+        assert_eq!(control.moving(), Quality::WHOLE);
         control.record(Quality::WHOLE, 60.0, false);
-        assert_eq!(control.moving(all), Quality::WHOLE);
-        assert!(!control.is_slow());
+        assert_eq!(control.moving(), Quality::WHOLE);
     }
 
     #[test]
-    fn first_wavelengths_go_then_terms_then_resolution_and_no_more_than_needed() {
+    fn the_resolution_is_lowered_as_far_as_needed_and_no_further() {
         let mut control = QualityControl::new(15.0);
         control.record(Quality::WHOLE, 80.0, false);
-        assert!(control.is_slow());
-        assert_eq!(control.moving(all), WAVELENGTHS, "two thirds of 80 ms fit");
-        control.record(WAVELENGTHS, 75.0, false);
-        assert_eq!(control.moving(all), COARSE, "a third of 80 ms fits");
-        let no_wavelengths = |detail| detail == Detail::Coarse;
-        assert_eq!(control.moving(no_wavelengths), COARSE);
-        assert_eq!(
-            control.moving(none),
-            Quality { detail: Detail::Full, divisor: 2 },
-            "resolution alone is left"
-        );
-        control.record(COARSE, 200.0, false);
-        assert_eq!(control.moving(all), Quality { divisor: 2, ..COARSE }, "a quarter of 200 ms fits");
-        for divisor in 2..=LARGEST_DIVISOR {
-            control.record(Quality { divisor, ..COARSE }, 90.0, false);
-        }
-        assert_eq!(
-            control.moving(all),
-            Quality { divisor: LARGEST_DIVISOR, ..COARSE },
-            "there is nothing below"
-        );
-        control.set_fps(5.0);
-        assert_eq!(control.moving(all), Quality::WHOLE, "80 ms are 5 frames a second");
+        assert_eq!(control.moving(), preview(2), "a quarter of 80 ms fits");
+        control.record(preview(2), 90.0, false);
+        assert_eq!(control.moving(), preview(3), "40 ms fit");
+        control.record(Quality::WHOLE, 1200.0, true);
+        assert_eq!(control.moving(), Quality::COARSEST, "75 ms are too many");
+        control.record(Quality::COARSEST, 300.0, false);
+        assert_eq!(control.moving(), Quality::COARSEST, "there is nothing below");
+        control.set_fps(2.0);
+        assert_eq!(control.moving(), Quality::COARSEST, "at a quarter it would take 1.2 s");
+        // The machine is busy no more.
+        (0..8).for_each(|_| control.record(Quality::COARSEST, 5.0, false));
+        assert_eq!(control.moving(), preview(1), "about 0.4 s");
     }
 
     #[test]
     fn before_the_first_whole_frame_the_first_small_one_tells_what_to_expect() {
         let mut control = QualityControl::new(15.0);
         control.record(Quality::FIRST, 20.0, true);
-        assert!(!control.is_slow(), "whole frames were not timed yet");
-        assert_eq!(
-            control.moving(none),
-            Quality { divisor: 3, ..Quality::WHOLE },
-            "36 ms, where 80 and 320 are too many"
-        );
+        assert_eq!(control.moving(), preview(3), "36 ms, where 80 and 320 are too many");
         // The first frame is used only until another is measured.
         control.record(Quality::FIRST, 2.0, false);
-        assert_eq!(control.moving(none), Quality::WHOLE);
+        assert_eq!(control.moving(), Quality::WHOLE);
     }
 
     #[test]
@@ -236,24 +156,20 @@ mod tests {
         let mut control = QualityControl::new(15.0);
         control.record(Quality::WHOLE, 500.0, false);
         control.invalidate();
-        assert_ne!(control.moving(none), Quality::WHOLE);
+        assert_ne!(control.moving(), Quality::WHOLE);
         control.record(Quality::WHOLE, 30.0, false);
-        assert_eq!(control.moving(none), Quality::WHOLE);
+        assert_eq!(control.moving(), Quality::WHOLE);
     }
 
     #[test]
     fn what_is_done_is_said() {
-        let said = |detail, divisor| Quality { detail, divisor }.to_string();
-        assert_eq!(said(Detail::Full, 1), "full quality");
-        assert_eq!(said(Detail::Full, 3), "preview 1/3");
-        assert_eq!(said(Detail::FewerWavelengths, 1), "preview, fewer wavelengths");
-        assert_eq!(said(Detail::Coarse, 2), "preview 1/2, fewer wavelengths and terms");
+        assert_eq!([1, 3, 8].map(|n| preview(n).to_string()), ["full quality", "preview 1/3", "preview 1/8"]);
     }
 
     #[test]
     fn sizes_round_up_so_that_no_picture_is_empty() {
-        assert_eq!(Quality::FIRST.size([1, 1]), [1, 1]);
-        assert_eq!(Quality { divisor: 2, ..Quality::WHOLE }.size([641, 480]), [321, 240]);
-        assert_eq!(COARSE.size([641, 480]), [641, 480]);
+        assert_eq!(Quality::COARSEST.size([1, 1]), [1, 1]);
+        assert_eq!(Quality::PREVIEW.size([641, 480]), [321, 240]);
+        assert_eq!(Quality::WHOLE.size([641, 480]), [641, 480]);
     }
 }

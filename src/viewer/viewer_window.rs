@@ -29,7 +29,7 @@ use crate::vk::device::Device;
 use crate::vk::instance::Instance;
 use crate::vk::window_surface::Surface;
 use ash::vk;
-use egui::{Rect, TexturesDelta, ViewportId};
+use egui::{Pos2, RawInput, Rect, TexturesDelta, ViewportId, vec2};
 use recording::Recording;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -47,6 +47,10 @@ const MOTION_TIMEOUT: Duration = Duration::from_millis(160);
 /// For [`POLL_PERIOD`] after each frame the loop therefore polls every [`POLL_INTERVAL`].
 const POLL_PERIOD: Duration = Duration::from_millis(500);
 const POLL_INTERVAL: Duration = Duration::from_millis(8);
+
+/// Longest time for which a moving window waits for the next frame before it shows its panel without. Each presentation
+/// holds the queue of the device, so that one for every step of the pointer would hold up the frames.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
 /// Picture that the render thread draws for a file.
 struct PendingSave {
@@ -72,6 +76,7 @@ struct WindowGui {
     state: egui_winit::State,
     context: egui::Context,
     paint_jobs: PaintJobs,
+    start: Instant,
     // Used by tests.
     text_dump: Option<TextDump>,
 }
@@ -90,7 +95,19 @@ impl WindowGui {
             Some(largest),
         );
         let paint_jobs = PaintJobs { primitives: Vec::new(), textures: TexturesDelta::default(), scale: 1.0 };
-        Self { state, context, paint_jobs, text_dump: TextDump::from_environment() }
+        Self { state, context, paint_jobs, start: Instant::now(), text_dump: TextDump::from_environment() }
+    }
+
+    /// Returns the events since the last call, for a window of `size` pixels. The toolkit's own function asks the window for
+    /// its size, which panics if another program has destroyed the window.
+    fn input(&mut self, size: [u32; 2], scale: f32) -> RawInput {
+        let points = vec2(size[0] as f32, size[1] as f32) / (scale * self.context.zoom_factor());
+        let input = self.state.egui_input_mut();
+        input.time = Some(self.start.elapsed().as_secs_f64());
+        input.screen_rect = (!size.contains(&0)).then(|| Rect::from_min_size(Pos2::ZERO, points));
+        input.viewport_id = ViewportId::ROOT;
+        input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(scale);
+        input.take()
     }
 }
 
@@ -151,6 +168,8 @@ struct Schedule {
     wake: Option<Instant>,
     // Time at which the last frame was presented.
     presented: Instant,
+    // True if a frame of the scene has come that was not presented yet.
+    has_frame: bool,
 }
 
 /// State of an open window. The order of the fields is the order of destruction: threads first.
@@ -170,6 +189,8 @@ pub struct ViewerWindow {
     last: LastView,
     proxy: EventLoopProxy<Event>,
     device: Arc<Device>,
+    // Of the window [pixels].
+    size: [u32; 2],
     window: Arc<Window>,
 }
 
@@ -204,7 +225,7 @@ impl ViewerWindow {
             gui: WindowGui::new(&window, &device),
             requested: Requested::default(),
             motion: RecentMotion { last: settings, changed: None, continuous: false },
-            schedule: Schedule { wake: None, presented: Instant::now() },
+            schedule: Schedule { wake: None, presented: Instant::now(), has_frame: false },
             saves: Vec::new(),
             recording: None,
             tried: None,
@@ -213,6 +234,7 @@ impl ViewerWindow {
             last: start.last,
             proxy,
             device,
+            size: window.inner_size().into(),
             window,
         };
         opened.model.measures_exposure = start.measures_exposure;
@@ -229,8 +251,13 @@ impl ViewerWindow {
     /// Handles an event of the window.
     pub fn event(&mut self, event: &WindowEvent) {
         match event {
-            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => {
-                self.presenter.resized();
+            WindowEvent::Resized(size) => {
+                self.size = (*size).into();
+                self.presenter.resized(self.size);
+                self.window.request_redraw();
+            }
+            WindowEvent::ScaleFactorChanged { .. } => {
+                self.presenter.resized(self.size);
                 self.window.request_redraw();
             }
             WindowEvent::DroppedFile(path) => {
@@ -306,20 +333,34 @@ impl ViewerWindow {
     pub fn redraw(&mut self) -> Result<()> {
         self.schedule.wake = None;
         self.pass();
+        if self.awaits_frame() {
+            self.threads.render.give_way(false);
+            self.wake_by(Some(self.schedule.presented + LONGEST_WAIT));
+            return Ok(());
+        }
         let pictures = pictures(&self.model);
         let drawn = self.presenter.draw(pictures.as_ref(), &mut self.gui.paint_jobs);
         self.threads.render.give_way(false);
-        self.schedule.presented = Instant::now();
-        let area: [u32; 2] = self.window.inner_size().into();
-        if !drawn? && !area.contains(&0) {
+        (self.schedule.presented, self.schedule.has_frame) = (Instant::now(), false);
+        if !drawn? && !self.size.contains(&0) {
             self.window.request_redraw();
         }
         Ok(())
     }
 
+    /// Returns true if the next frame of a moving scene is to be presented before the panel.
+    fn awaits_frame(&self) -> bool {
+        let shows =
+            |request: &FrameRequest| self.model.frame.as_ref().is_some_and(|frame| request.is_seen_in(frame));
+        self.model.pacing.moving
+            && !self.schedule.has_frame
+            && self.requested.frame.as_ref().is_some_and(|request| !shows(request))
+            && Instant::now() < self.schedule.presented + LONGEST_WAIT
+    }
+
     /// Runs the panel on the events since the last pass, and handles changes.
     fn pass(&mut self) {
-        let input = self.gui.state.take_egui_input(&self.window);
+        let input = self.gui.input(self.size, self.window.scale_factor() as f32);
         self.model.device.memory = self.device.memory_in_use();
         self.model.device.present_mode = match self.presenter.mode() {
             vk::PresentModeKHR::IMMEDIATE => "immediate",

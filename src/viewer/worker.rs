@@ -435,13 +435,13 @@ mod tests {
             }
         })
         .unwrap();
-        worker.request(request(Role::Coarse, 1, "bumps", 0.5));
+        worker.request(request(Role::Other, 1, "bumps", 0.5));
         for number in 2..6 {
             worker.request(request(Role::Own, number, "bumps", 0.1 + number as f64 * 0.01));
         }
         worker.request(request(Role::Own, 6, "flat", 0.1));
         let mut ready = Vec::new();
-        while !(ready.contains(&(Role::Own, 6)) && ready.contains(&(Role::Coarse, 1))) {
+        while !(ready.contains(&(Role::Own, 6)) && ready.contains(&(Role::Other, 1))) {
             match reports.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
                 WorkerReply::Ready(role, prepared, _) => ready.push((role, prepared.number)),
                 WorkerReply::Failed(_, _, e) => panic!("{e}"),

@@ -137,37 +137,6 @@ fn a_pixel_that_is_read_alone_is_that_of_the_whole_picture() {
 }
 
 #[test]
-fn what_is_left_out_first_while_moving_costs_the_least_error() {
-    let scene = Scene::open("sphere").unwrap();
-    let view = view(&scene, 2.0);
-    let field = patch(SurfaceKind::Elaphe, 6.0);
-    let own = optics(8.0, 1e-2).for_pictures();
-    let wavelengths = Optics { looser_colours: 10.0, ..own.clone() };
-    let coarse = Optics { tolerance: 1e-1, ..own.clone() };
-    with_device(|device| {
-        let drawn = |optics: &Optics| {
-            let sigma = optics.coherence.sigma().unwrap();
-            let settings = diffract::setup::layer_settings(optics, sigma, 0.38, device.candidate()).unwrap();
-            let layers = compute(&field, &settings, &Task::silent()).unwrap();
-            let mut renderer = crate::renderer_of(device, &scene, &window(&layers), optics, SIZE).unwrap();
-            let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
-            let directions = [renderer.directions(&view, 0).unwrap()];
-            (picture.radiance, window(&layers).cost(optics, &directions))
-        };
-        let (exact, whole) = drawn(&own);
-        let error = |radiance: &[[f32; 4]]| (0..3).map(|c| channel(radiance, &exact, c)).fold(0.0, f64::max);
-        let ([fewer, fewest], [first, second]) = {
-            let (a, b) = (drawn(&wavelengths), drawn(&coarse));
-            ([a.1, b.1], [error(&a.0), error(&b.0)])
-        };
-        let counts = [whole, fewer, fewest].map(|cost| (cost.wavelengths, cost.samples));
-        eprintln!("wavelengths and samples {counts:?}; errors {first:.4} {second:.4}");
-        assert!(fewer.wavelengths < whole.wavelengths && fewest.samples < fewer.samples, "{counts:?}");
-        assert!(first > 0.0 && first < second, "{first} {second}");
-    });
-}
-
-#[test]
 fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_display() {
     let scene = Scene::open("sphere").unwrap();
     let view = view(&scene, 2.0);

@@ -53,7 +53,7 @@ pub struct ViewOptions {
     /// Vertical field of view, as in 35deg, instead of the scene's
     #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true, hide_short_help = true)]
     pub field_of_view: Option<f64>,
-    /// Background behind the mesh, instead of the scene's: a colour, linear sRGB from 0 to 1, or the surroundings. An EXR has none
+    /// Background behind the mesh, instead of the scene's: a colour, linear sRGB from 0 to 1, or the surroundings. It makes a PNG opaque; an EXR has none
     #[arg(long, value_name = "R,G,B|surroundings", value_parser = Background::parse, allow_hyphen_values = true, hide_short_help = true)]
     pub background: Option<Background>,
     /// Albedo of the pigment, linear sRGB from 0 to 1, instead of the scene's
@@ -88,7 +88,7 @@ impl ViewOptions {
                     "add --environment sky, or give --background a colour",
                 ));
             }
-            scene.display.background = background;
+            (scene.display.background, scene.display.is_opaque) = (background, true);
         }
         let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
         if self.eye.is_some() || self.target.is_some() || self.field_of_view.is_some() {

@@ -16,6 +16,7 @@ use crate::table::{ColorTable, TableReader, TableSettings, bake};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// Pixels on a side of a map.
 const SIDE: u32 = 600;
@@ -61,7 +62,7 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
 }
 
 /// Bakes the colour table of `field`.
-fn table(field: &HeightField) -> Result<ColorTable> {
+fn table(field: &HeightField) -> Result<Arc<ColorTable>> {
     let sigma = Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE);
     let powers = PowerSettings::new(sigma, setup::beyond_of(field), TOLERANCE);
     let colours = TableSettings {
@@ -72,7 +73,7 @@ fn table(field: &HeightField) -> Result<ColorTable> {
     };
     let bar = ProgressBar::new("orders", "a part of the surface (--crop)");
     let series = OrderSeries::new(field, &powers, &bar.task())?;
-    bake(&series, &colours, &bar.task())
+    Ok(Arc::new(bake(&series, &colours, &bar.task())?))
 }
 
 /// Returns `field`, or the middle of a large one.
@@ -88,7 +89,7 @@ fn middle(field: &HeightField) -> Cow<'_, HeightField> {
 }
 
 /// Returns the panel of the colours in light from the polar angle `theta` and the azimuth `phi` \[degrees\], which `from` says in words.
-fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
+fn panel(table: &Arc<ColorTable>, theta: f64, phi: f64, from: String) -> Panel {
     let light = direction(theta, phi);
     let map = map(table, light);
     let stops = exposure(&map, light);
@@ -106,8 +107,8 @@ fn panel(table: &ColorTable, theta: f64, phi: f64, from: String) -> Panel {
 }
 
 /// Returns the linear sRGB of the BRDF \[sr⁻¹\] toward every direction.
-fn map(table: &ColorTable, light: DVec3) -> HemisphereMap {
-    let reader = TableReader::new(table);
+fn map(table: &Arc<ColorTable>, light: DVec3) -> HemisphereMap {
+    let reader = TableReader::new(Arc::clone(table));
     let footprint = Covariance { uu: SPREAD * SPREAD, uv: 0.0, vv: SPREAD * SPREAD };
     let views: Vec<(usize, DVec3)> = views(SIDE, 0..SIDE).collect();
     let color = |&(place, view): &(usize, DVec3)| {

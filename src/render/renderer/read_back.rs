@@ -52,7 +52,7 @@ impl Renderer {
             size: self.target.size(),
             radiance,
             display: bytemuck::pod_collect_to_vec(&display),
-            surrounded: view.is_some_and(|view| view.background().is_some()),
+            is_opaque: view.is_some_and(|view| view.background().is_some()),
         })
     }
 

@@ -99,6 +99,7 @@ impl Renderer {
     pub fn render(&mut self, view: &View, sampling: &Sampling, shown: Shown, task: &Task) -> Result<Picture> {
         if sampling.count <= 1 {
             self.draw_sample(view, &sampling.sample(0), shown)?;
+            task.report("samples", 1, 1)?;
             return self.read_back();
         }
         let request = PictureRequest { view, sampling: *sampling, size: self.target.size(), shown };

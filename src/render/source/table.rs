@@ -157,7 +157,7 @@ impl Table {
 
     /// Counts the samples along the footprints of `directions`.
     pub(super) fn cost(&self, directions: &[Directions]) -> Cost {
-        let reader = TableReader::new(&self.table);
+        let reader = TableReader::new(Arc::clone(&self.table));
         let texels = self.table.header.basis.texels();
         Cost::counted(directions, |pixel| (0, texels * reader.taps(&pixel.footprint).1.count()))
     }

@@ -1,7 +1,8 @@
 //! Cost of the settings, and foot of the panel.
 
+use super::number_field::{FRAMES, quantity};
 use super::optics::percent;
-use super::rows::{self, FRAMES, quantity, value};
+use super::rows::{self, value};
 use super::section;
 use crate::render::source::Extent;
 use crate::viewer::error_probe::ProbeStatus;

@@ -1,6 +1,7 @@
 //! Rows of the optics.
 
-use super::rows::{self, SettingRow, number};
+use super::number_field::number;
+use super::rows::{self, SettingRow};
 use super::section;
 use crate::optics::coherence::{Coherence, Windows};
 use crate::optics::spectrum::{self, Illuminant};
@@ -56,9 +57,11 @@ pub fn setting(ui: &mut Ui, id: &str, optics: &mut Optics, coherence: Coherence)
     }
     match coherence {
         Coherence::Gaussian { .. } => count(ui, &rows::WAVELENGTHS, &mut optics.wavelengths, 32, 4..=512),
-        Coherence::Repeats(_) => rows::show(ui, &rows::WAVELENGTHS, |ui| {
-            ui.label(RichText::new("those of the grating's orders").color(style::FAINT));
-        }),
+        Coherence::Repeats(_) => {
+            rows::show(ui, &rows::WAVELENGTHS, |ui| {
+                ui.label(RichText::new("those of the grating's orders").color(style::FAINT));
+            });
+        }
     }
 }
 

@@ -1,9 +1,8 @@
 //! Rows of the panel: label, tooltip, and the corresponding option of `diffract view`.
 
-use crate::units;
 use crate::viewer::style;
 use crate::viewer::view_settings::ViewSettings;
-use egui::{Align, DragValue, Id, Label, Layout, RichText, Sense, Ui, vec2};
+use egui::{Align, Id, Label, Layout, Rect, RichText, Sense, Ui, vec2};
 use std::sync::Arc;
 
 /// Width of the labels [points].
@@ -232,13 +231,13 @@ fn resets(ui: &Ui) -> Resets {
     ui.data(|data| data.get_temp(Id::NULL)).unwrap_or_default()
 }
 
-/// Shows `row`, with `add` behind its label.
-pub fn show(ui: &mut Ui, row: &SettingRow, add: impl FnOnce(&mut Ui)) {
-    numbered(ui, row, row.label, add);
+/// Shows `row`, with `add` behind its label; returns its place.
+pub fn show(ui: &mut Ui, row: &SettingRow, add: impl FnOnce(&mut Ui)) -> Rect {
+    numbered(ui, row, row.label, add)
 }
 
 /// Shows `row` as [`show`] does, under another label.
-pub fn numbered(ui: &mut Ui, row: &SettingRow, label: &str, add: impl FnOnce(&mut Ui)) {
+pub fn numbered(ui: &mut Ui, row: &SettingRow, label: &str, add: impl FnOnce(&mut Ui)) -> Rect {
     let height = ui.spacing().interact_size.y;
     let copy = row.copy.filter(|_| resets(ui).offered.contains(&row.label));
     let shown = ui.horizontal_top(|ui| {
@@ -252,6 +251,7 @@ pub fn numbered(ui: &mut Ui, row: &SettingRow, label: &str, add: impl FnOnce(&mu
     let whole = ui.interact(shown.response.rect, shown.response.id.with("tip"), Sense::hover());
     let reset = if copy.is_some() { "\nDouble-click the label to reset it." } else { "" };
     whole.on_hover_text(row.help() + reset);
+    shown.response.rect
 }
 
 /// Shows the label of a row, bright if `copy` undoes a change of the user.
@@ -275,81 +275,4 @@ pub fn value(ui: &mut Ui, row: &SettingRow, text: impl Into<String>) {
     show(ui, row, |ui| {
         ui.label(text.into());
     });
-}
-
-/// Returns a draggable number. A value from the command line may lie outside the range of the drag.
-pub fn number<N: egui::emath::Numeric>(value: &mut N) -> DragValue<'_> {
-    DragValue::new(value).clamp_existing_to_range(false)
-}
-
-/// Returns a draggable number with a unit. Typed numbers may have another unit of the same kind.
-pub fn quantity<'a, N: egui::emath::Numeric>(value: &'a mut N, unit: &'static Unit) -> DragValue<'a> {
-    number(value).suffix(unit.suffix).custom_parser(|text| unit.parse(text))
-}
-
-/// Unit of a number on the panel.
-pub struct Unit {
-    /// Suffix of the number.
-    suffix: &'static str,
-    /// Reads a number with a unit.
-    read: fn(&str) -> Option<f64>,
-}
-
-/// Degrees.
-pub const DEGREES: Unit = Unit { suffix: "°", read: |text| units::angle(text).ok() };
-/// Nanometres.
-pub const NANOMETRES: Unit = Unit { suffix: " nm", read: |text| Some(units::length(text).ok()? * 1e3) };
-/// Micrometres.
-pub const MICROMETRES: Unit = Unit { suffix: " µm", read: |text| units::length(text).ok() };
-/// Exposure values.
-pub const STOPS: Unit = Unit { suffix: " EV", read: |_| None };
-/// Frames a second.
-pub const FRAMES: Unit = Unit { suffix: " fps", read: |_| None };
-/// Watts.
-pub const WATTS: Unit = Unit { suffix: " W", read: |_| None };
-
-impl Unit {
-    /// Parses `text` as a number in this unit; a number without a unit is taken to be in it.
-    fn parse(&self, text: &str) -> Option<f64> {
-        let text = text.trim().replace('−', "-");
-        let bare = text.strip_suffix(self.suffix.trim()).unwrap_or(&text).trim();
-        bare.replace(',', ".").parse().ok().or_else(|| (self.read)(&text))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_typed_in_any_unit_of_their_kind() {
-        type Case = (&'static str, Option<f64>);
-        let cases: [(&Unit, &[Case]); 4] = [
-            (
-                &NANOMETRES,
-                &[("450", Some(450.0)), ("0.45um", Some(450.0)), (" 450 nm", Some(450.0)), ("450 s", None)],
-            ),
-            (
-                &MICROMETRES,
-                &[("65", Some(65.0)), ("0.1mm", Some(100.0)), ("200nm", Some(0.2)), ("1,5 µm", Some(1.5))],
-            ),
-            (
-                &DEGREES,
-                &[("-12.5", Some(-12.5)), ("−12.5°", Some(-12.5)), ("30deg", Some(30.0)), ("x", None)],
-            ),
-            (&STOPS, &[("2 EV", Some(2.0)), ("-1.5", Some(-1.5)), ("1 nm", None)]),
-        ];
-        for (unit, cases) in cases {
-            for (text, number) in cases {
-                let read = unit.parse(text);
-                let same = match (read, number) {
-                    (Some(a), Some(b)) => (a - b).abs() < 1e-9,
-                    (a, b) => a.is_none() && b.is_none(),
-                };
-                assert!(same, "{text}: {read:?} where {number:?} was meant");
-            }
-        }
-        let half_turn = DEGREES.parse("3.14159265rad").unwrap();
-        assert!((half_turn - 180.0).abs() < 1e-6);
-    }
 }

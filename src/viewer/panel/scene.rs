@@ -1,7 +1,7 @@
 //! Rows of scene, lights and comparison.
 
-use super::rows::{self, DEGREES, STOPS, WATTS, number, quantity};
-use super::{optics, section, short, surface_rows};
+use super::number_field::{DEGREES, STOPS, WATTS, number, quantity};
+use super::{optics, rows, section, short, surface_rows};
 use crate::optics::color::Tone;
 use crate::optics::spectrum::BUILT_IN as BUILT_IN_SPECTRA;
 use crate::optics::spectrum::Illuminant;
@@ -190,12 +190,12 @@ fn place(ui: &mut Ui, lamp: &mut Lamp, room: &Room, radius: f64) {
     for (name, value) in [("x ", x), ("y ", y), ("z ", z)] {
         ui.add(number(value).speed(0.005 * radius).range(-1e6..=1e6).max_decimals(4).prefix(name));
     }
-    let sizes: &mut [(&str, &mut f64)] = match &mut lamp.shape {
+    let sizes: &mut [(&'static str, &mut f64)] = match &mut lamp.shape {
         LampShape::Sphere { diameter } => &mut [("⌀ ", diameter)],
         LampShape::Rectangle { size: [width, height], .. } => &mut [("w ", width), ("h ", height)],
     };
     for (name, value) in sizes {
-        ui.add(number(*value).speed(0.002 * radius).range(1e-6..=1e6).max_decimals(4).prefix(*name));
+        ui.add(number(*value).speed(0.002 * radius).range(1e-6..=1e6).max_decimals(4).prefix(name));
     }
     if let Strength::Power(power) = &mut lamp.strength {
         let speed = 0.01 * *power;

@@ -1,23 +1,25 @@
 //! Rows of the height field.
 
-use super::rows::{self, MICROMETRES, NANOMETRES, number, quantity};
-use super::{section, short};
+use super::number_field::{MICROMETRES, NANOMETRES, number, quantity};
+use super::{rows, section_opened, short};
 use crate::optics::coherence::Coherence;
 use crate::optics::reflectance::Reflectance;
 use crate::surface::synth::SurfaceKind;
 use crate::surface::{Levelling, SurfaceSource};
+use crate::viewer::guesses::{Guesses, Scale};
 use crate::viewer::model::{LastCoherence, Model};
 use crate::viewer::style;
-use egui::{ComboBox, RichText, Ui};
+use egui::{ComboBox, Key, Response, RichText, Ui};
+use std::ffi::OsStr;
 
 /// Shows the rows of height field, coherence and refractive index.
 pub fn show(ui: &mut Ui, model: &mut Model) {
-    section(ui, "Surface", |ui| {
+    section_opened(ui, "Surface", model.guesses.are_sought, |ui| {
         rows::show(ui, &rows::SURFACE, |ui| name(ui, &mut model.settings.surface, &model.files));
         let source = &mut model.settings.surface;
         let kind = source.kind();
         if kind.is_none() {
-            units(ui, source);
+            units(ui, source, &mut model.guesses);
         } else if kind.is_some_and(SurfaceKind::is_random) {
             rows::show(ui, &rows::SEED, |ui| {
                 ui.add(number(&mut source.seed).range(0..=9999));
@@ -130,24 +132,51 @@ fn coherence(ui: &mut Ui, coherence: &mut Coherence, last: &mut LastCoherence) {
     }
 }
 
-/// Shows the units of a height image, which has none in the file.
-fn units(ui: &mut Ui, source: &mut SurfaceSource) {
-    rows::show(ui, &rows::SPACING, |ui| {
+/// Shows the scales of a height image, which has none in the file, and marks those of `guesses`.
+fn units(ui: &mut Ui, source: &mut SurfaceSource, guesses: &mut Guesses) {
+    let first = rows::show(ui, &rows::SPACING, |ui| {
         let mut nm = source.pixel_size.unwrap_or([0.1; 2]).map(|um| um * 1e3);
         let mut changed = false;
+        let mut is_finished = false;
         for n in &mut nm {
             let field = quantity(n, &NANOMETRES).speed(0.1).range(1.0..=10_000.0).max_decimals(4);
-            changed |= ui.add(field).changed();
+            let field = ui.add(field);
+            changed |= field.changed();
+            is_finished |= is_entered(ui, &field);
         }
         if changed {
             source.pixel_size = Some(nm.map(|nm| nm * 1e-3));
         }
+        guess(ui, guesses, &source.name, Scale::Spacing, changed || is_finished);
     });
-    rows::show(ui, &rows::HEIGHT, |ui| {
+    let second = rows::show(ui, &rows::HEIGHT, |ui| {
         let mut nm = source.height.unwrap_or(0.5) * 1e3;
         let field = quantity(&mut nm, &NANOMETRES).speed(1.0).range(0.1..=100_000.0).max_decimals(4);
-        if ui.add(field).changed() {
+        let field = ui.add(field);
+        if field.changed() {
             source.height = Some(nm * 1e-3);
         }
+        let is_set = field.changed() || is_entered(ui, &field);
+        guess(ui, guesses, &source.name, Scale::Height, is_set);
     });
+    if std::mem::take(&mut guesses.are_sought) {
+        ui.scroll_to_rect(first.union(second), Some(egui::Align::Center));
+    }
+}
+
+/// Returns true if the number in `field` was just entered, even as it was.
+fn is_entered(ui: &Ui, field: &Response) -> bool {
+    field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
+}
+
+/// Marks the `scale` of `file` if it is a guess, until the user sets it (`is_set`) or presses the mark.
+fn guess(ui: &mut Ui, guesses: &mut Guesses, file: &OsStr, scale: Scale, is_set: bool) {
+    const TIP: &str = "The file does not tell it: this is the value of a typical scan. Set the right one, or click to keep it.";
+    if !guesses.has(file, scale) {
+        return;
+    }
+    let mark = ui.small_button(RichText::new("a guess: keep?").color(style::FAIR)).on_hover_text(TIP);
+    if is_set || mark.clicked() {
+        guesses.confirm(file, scale);
+    }
 }

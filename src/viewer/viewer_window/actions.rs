@@ -10,8 +10,9 @@ use crate::viewer::controls::in_controls;
 use crate::viewer::event::{Event, OpenedScene};
 use crate::viewer::folder::{self, Neighbour};
 use crate::viewer::frame::LoadedScene;
+use crate::viewer::guesses::Scale;
 use crate::viewer::job_queue::Job;
-use crate::viewer::model::{Actions, Concern, SaveAs};
+use crate::viewer::model::{Actions, Concern, SaveAs, SavingProgress};
 use crate::viewer::start::Output;
 use crate::viewer::view_settings::ViewSettings;
 use crate::viewer::{orbit, save};
@@ -97,11 +98,13 @@ impl ViewerWindow {
                 let with_exr = format == SaveAs::PngAndExr;
                 self.saves.push(PendingSave { stem, with_exr, command, is_recorded: false });
                 self.threads.render.submit(Job::Picture(request));
-                self.model.say(format!("saving {name}"));
+                self.model.saved = None;
+                self.model.saving = Some(SavingProgress { text: format!("saving {name}"), part: 0.0 });
             }
             None => {
                 self.model.actions.save = Some(format);
-                self.model.say("the picture is saved as soon as it has its colours");
+                let text = "the picture is saved as soon as it has its colours".to_owned();
+                self.model.saving = Some(SavingProgress { text, part: 0.0 });
             }
         }
         self.window.request_redraw();
@@ -116,15 +119,22 @@ impl ViewerWindow {
         }
         // Files of microscopes have units. Images have none and start with those of a scan of a skin.
         let image = matches!(extension.as_str(), "png" | "tif" | "tiff");
-        let SurfaceSource { pixel_size, height, .. } = self.model.settings.surface;
-        if image && (pixel_size.is_none() || height.is_none()) {
-            self.model
-                .say("a height image carries no units: set sample spacing and full height in the panel");
-        }
-        let surface = &mut self.model.settings.surface;
-        if let Some(known) = self.model.files.iter().find(|file| file.name == *name) {
+        let model = &mut self.model;
+        let SurfaceSource { pixel_size, height, name: ref before, .. } = model.settings.surface;
+        // A scale that is assumed for the former file is no better known for this one.
+        let is_guess = [(Scale::Spacing, pixel_size.is_none()), (Scale::Height, height.is_none())]
+            .map(|(scale, is_missing)| (scale, is_missing || model.guesses.has(before, scale)));
+        let surface = &mut model.settings.surface;
+        if let Some(known) = model.files.iter().find(|file| file.name == *name) {
             surface.clone_from(known);
             return self.window.request_redraw();
+        }
+        for (scale, _) in is_guess.into_iter().filter(|(_, is_guess)| image && *is_guess) {
+            model.guesses.assume(name.as_ref(), scale);
+            model.visible.panel = true;
+            model.notice = Some(
+                "a height image carries no units: set sample spacing and full height in the panel".to_owned(),
+            );
         }
         surface.name = name.into();
         surface.channel = None;

@@ -69,8 +69,6 @@ impl ViewerWindow {
                     Role::Own => self.apply(prepared),
                     Role::Other => model.comparison.prepared = Some(prepared),
                     Role::AsSeen => self.take_as_seen(prepared),
-                    Role::Coarse => model.sources.coarse = Some(prepared),
-                    Role::FewerWavelengths => model.sources.fewer_wavelengths = Some(prepared),
                 }
             }
             WorkerReply::Failed(role, number, error) => self.refuse(role, number, &error),
@@ -90,7 +88,6 @@ impl ViewerWindow {
         }
         let model = &mut self.model;
         model.sources.progress[role as usize] = None;
-        // Without lighter spectra moving pictures reduce their resolution.
         if matches!(role, Role::Own | Role::Other | Role::AsSeen) {
             model.report(Concern::Setting, error);
         }
@@ -157,7 +154,6 @@ impl ViewerWindow {
         model.remember_surface();
         let name = model.settings.surface.name.to_string_lossy().into_owned();
         self.remember_file(&name);
-        self.drop_lighter();
         self.set_title();
     }
 
@@ -168,21 +164,11 @@ impl ViewerWindow {
         if let Some(full) = full.filter(|full| !full.shares_data_with(&prepared)) {
             let number = prepared.number;
             *full = prepared;
-            self.drop_lighter();
             if let Some(request) = &mut self.requested.preparations[Role::Own as usize] {
                 request.number = number;
             }
         }
         self.begin_recording();
-    }
-
-    /// Drops the data of moving pictures of a former setting.
-    fn drop_lighter(&mut self) {
-        let sources = &mut self.model.sources;
-        (sources.coarse, sources.fewer_wavelengths) = (None, None);
-        for role in [Role::Coarse, Role::FewerWavelengths] {
-            self.requested.preparations[role as usize] = None;
-        }
     }
 
     fn handle_rendering(&mut self, reply: RenderReply) -> Result<()> {
@@ -191,11 +177,13 @@ impl ViewerWindow {
             RenderReply::Drawing(what, part) => {
                 self.model.drawing = Some((what, part)).filter(|_| !self.model.pacing.moving);
             }
+            RenderReply::Saving(part) => {
+                self.model.saving.iter_mut().for_each(|saving| saving.part = part);
+            }
             RenderReply::TooSlow(quality, milliseconds) => {
                 // The full time is unknown; twice the elapsed time is a guess that the next frame corrects.
                 self.model.pacing.quality.record(quality, 2.0 * milliseconds, true);
             }
-            RenderReply::NoRoom(detail) => self.model.sources.discard(detail),
             RenderReply::Picture(drawn) => self.save(drawn),
             RenderReply::Samples(probe) => self.measure(*probe)?,
             RenderReply::Pixel(reading) => self.show_pixel(reading.map(|reading| *reading))?,
@@ -229,6 +217,7 @@ impl ViewerWindow {
             self.requested.pixel = None;
         }
         self.model.frame = Some(frame);
+        self.schedule.has_frame = true;
         self.model.drawing = None;
         if self.model.pacing.continuous {
             self.request_frame(true);
@@ -274,8 +263,11 @@ impl ViewerWindow {
             return;
         }
         let PendingSave { stem, with_exr, command, is_recorded } = self.saves.remove(0);
+        self.model.saving.take_if(|_| self.saves.is_empty());
         let (as_png, as_exr) = (stem.with_extension("png"), stem.with_extension("exr"));
-        let saved = drawn.and_then(|(picture, notes)| {
+        let is_opaque = self.model.loaded.scene.display.is_opaque;
+        let saved = drawn.and_then(|(mut picture, notes)| {
+            picture.is_opaque |= is_opaque;
             let notes = Notes { command, ..notes };
             picture_file::write(&as_png, PictureFormat::Png, &picture, &notes)?;
             if with_exr { picture_file::write(&as_exr, PictureFormat::Exr, &picture, &notes) } else { Ok(()) }
@@ -286,7 +278,7 @@ impl ViewerWindow {
                 let more = if with_exr { " and .exr" } else { "" };
                 let path = std::path::absolute(&as_png).unwrap_or(as_png);
                 self.model.succeed(Concern::Picture);
-                self.model.say(format!("saved {}{more}", path.display()));
+                self.model.saved = Some(format!("saved {}{more}", path.display()));
             }
             Err(e) => {
                 if is_recorded {

@@ -4,7 +4,6 @@ use super::{PreparationRequest, Seen, ViewerWindow};
 use crate::optics::coherence::Windows;
 use crate::render::frame::{Shown, View};
 use crate::scene::Light;
-use crate::settings::Method;
 use crate::setup::SourceSettings;
 use crate::viewer::compare::{self, Compare};
 use crate::viewer::event::Event;
@@ -30,20 +29,8 @@ impl ViewerWindow {
             let surface = other.surface.clone().unwrap_or_else(|| wanted.surface.clone());
             self.request_preparation(Role::Other, &ViewSettings { optics, surface, ..wanted.clone() });
         }
-        let ready = self.is_own_ready();
-        if ready && !self.model.pacing.moving {
+        if self.is_own_ready() && !self.model.pacing.moving {
             self.request_as_seen(&wanted);
-        }
-        // For a colour table no lighter spectra exist; moving pictures reduce their resolution instead.
-        if self.model.pacing.quality.is_slow() && ready && wanted.optics.settled().method == Method::Spectral
-        {
-            let optics = compare::coarse(&wanted.optics);
-            self.request_preparation(Role::Coarse, &ViewSettings { optics, ..wanted.clone() });
-            // The wavelengths of a finite grating are those of its orders: none can be omitted.
-            let is_grating = wanted.optics.coherence.sigma().is_none();
-            if !is_grating && compare::looser_colours(&wanted.optics).is_some() {
-                self.request_preparation(Role::FewerWavelengths, &wanted);
-            }
         }
     }
 
@@ -131,8 +118,6 @@ impl ViewerWindow {
         // Data prepared for the former request shows another setting.
         match role {
             Role::Other => self.model.comparison.prepared = None,
-            Role::Coarse => self.model.sources.coarse = None,
-            Role::FewerWavelengths => self.model.sources.fewer_wavelengths = None,
             Role::Preview | Role::AsSeen => {}
             Role::Own => self.set_title(),
         }
@@ -177,7 +162,6 @@ impl ViewerWindow {
             loaded: model.loaded.clone(),
             full: wanted.clone(),
             other: model.comparison.prepared.clone().filter(|_| is_own),
-            lighter: None,
             quality: Quality::WHOLE,
             moving: false,
             again: false,
@@ -233,10 +217,10 @@ impl ViewerWindow {
     /// Requests a frame if it would differ from the last one requested, or in any case if `again`.
     pub(super) fn request_frame(&mut self, again: bool) {
         let Some(whole) = self.whole_frame() else { return };
-        let quality = self.model.quality();
-        let lighter = self.model.sources.lighter(quality.detail).cloned();
-        let moving = self.model.pacing.moving;
-        let request = FrameRequest { quality, lighter, moving, again, ..whole };
+        let is_seen = self.model.frame.as_ref().is_some_and(|frame| whole.is_seen_in(frame));
+        let quality = self.model.quality(is_seen);
+        let moving = self.model.pacing.moving || !is_seen;
+        let request = FrameRequest { quality, moving, again, ..whole };
         let last = self.requested.frame.as_ref();
         if !again && last.is_some_and(|last| last.shows_the_same_as(&request)) {
             return;
@@ -252,12 +236,7 @@ impl ViewerWindow {
 
 /// Returns the settings of the source that `role` asks for under `settings`.
 fn source_settings(role: Role, settings: &ViewSettings) -> SourceSettings {
-    let mut optics = settings.optics.settled();
-    if role == Role::FewerWavelengths {
-        optics.looser_colours = compare::looser_colours(&settings.optics).unwrap_or(1.0);
-        optics.wavelengths = None;
-    }
-    let mut source = SourceSettings::new(optics);
+    let mut source = SourceSettings::new(settings.optics.settled());
     if role == Role::Preview {
         source.footprints = compare::PREVIEWED;
     }
