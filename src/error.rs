@@ -389,8 +389,11 @@ mod tests {
         let damaged = crate::export::MaterialDescription::parse("{").unwrap_err();
         assert_eq!(damaged.kind(), ErrorKind::Input, "{damaged}");
         assert!(source::<serde_json::Error>(&damaged).unwrap().is_eof());
-        let large = crate::memory::ensure_room(u64::MAX, "the field").unwrap_err();
-        assert!(large.kind() == ErrorKind::Memory && large.is_too_large(), "{large}");
+        #[cfg(target_os = "linux")] // others do not tell their memory
+        {
+            let large = crate::memory::ensure_room(u64::MAX, "the field").unwrap_err();
+            assert!(large.kind() == ErrorKind::Memory && large.is_too_large(), "{large}");
+        }
         let high = crate::spectra::amplitude::expansion::taylor::terms_for(100.0, 1e-6, 1e-7).unwrap_err();
         assert!(high.kind() == ErrorKind::Limit && high.is_too_large(), "{high}");
         let task = crate::task::Task::silent();

@@ -51,8 +51,8 @@ pub fn read_text(path: &Path, expected: &str) -> Result<String> {
     // The file may grow while it is read, so the limit applies to the read bytes as well.
     file.take(MAX_TEXT).read_to_string(&mut text).map_err(|e| {
         let (what, remedy) = (format!("it is not text ({e})"), format!("give {expected}"));
-        let is_other = e.kind() == std::io::ErrorKind::InvalidData;
-        let error = if is_other { Error::input(what, remedy) } else { Error::files(what, remedy) };
+        let is_not_text = e.kind() == std::io::ErrorKind::InvalidData;
+        let error = if is_not_text { Error::input(what, remedy) } else { Error::files(what, remedy) };
         error.caused_by(e).at(path.display())
     })?;
     Ok(text)
