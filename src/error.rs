@@ -3,16 +3,28 @@
 use std::borrow::Cow;
 use std::fmt;
 use std::io;
+use std::sync::Arc;
 
-/// Cause of an error, the user or the program; decides the exit code.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Kind of an error: who or what has to change before the request succeeds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum ErrorKind {
-    /// The request itself cannot be meant (exit code 2).
+    /// The request cannot be meant: a wrong option, a wrong value or a combination of them.
     Usage,
-    /// The request was sound, the work failed (exit code 1).
-    Failed,
-    /// Whoever waited for the work cancelled it (exit code 1).
+    /// The content of a file or other data cannot be used: damaged, of another format, outside of what is allowed.
+    Input,
+    /// The request is sound and beyond a limit of the method: of its tolerance, its terms, its wavelengths, or the size of its result.
+    Limit,
+    /// Whoever waited for the work cancelled it.
     Cancelled,
+    /// The system refuses access to a file, a folder or an output stream.
+    Files,
+    /// The machine or its Vulkan device has too little memory, or no thread left.
+    Memory,
+    /// The Vulkan device or the display is missing, unfit or lost.
+    Device,
+    /// The program contradicts itself.
+    Bug,
 }
 
 /// Remedy: a change with which the request succeeds. Each setting has a variant, because every program has different names for it, its
@@ -152,40 +164,78 @@ impl<const N: usize> From<[Remedy; N]> for Remedies {
     }
 }
 
-/// Error with a remedy. Displays as one line: `what; remedy`.
-#[derive(Clone, Debug, PartialEq)]
+/// Error of another library or of the system.
+type Source = Arc<dyn std::error::Error + Send + Sync>;
+
+/// Error with a remedy. Displays as one line: `what; remedy`, which tells the text of the source as well.
+#[derive(Clone, Debug)]
 pub struct Error {
     kind: ErrorKind,
     what: String,
     remedies: Vec<Remedy>,
+    source: Option<Source>,
+}
+
+impl PartialEq for Error {
+    /// Compares everything but the sources, which have no equality.
+    fn eq(&self, other: &Self) -> bool {
+        (self.kind, &self.what, &self.remedies) == (other.kind, &other.what, &other.remedies)
+    }
 }
 
 /// Result of everything in this crate that can fail.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
+    fn new(kind: ErrorKind, what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self { kind, what: what.into(), remedies: remedies.into().0, source: None }
+    }
+
     /// Returns an error of wrong use: an option, a value or a combination that cannot be meant.
     pub fn usage(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
-        Self { kind: ErrorKind::Usage, what: what.into(), remedies: remedies.into().0 }
+        Self::new(ErrorKind::Usage, what, remedies)
     }
 
-    /// Returns an error of failed work: a file, a device or a computation that did not succeed.
-    pub fn failed(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
-        Self { kind: ErrorKind::Failed, what: what.into(), remedies: remedies.into().0 }
+    /// Returns an error of a file or other data whose content cannot be used.
+    pub fn input(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self::new(ErrorKind::Input, what, remedies)
     }
 
-    /// Returns the error of work that was cancelled.
+    /// Returns an error of a sound request that is beyond a limit of the method.
+    pub fn limit(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self::new(ErrorKind::Limit, what, remedies)
+    }
+
+    /// Returns the error of work that was cancelled. It has no remedy.
     pub fn cancelled() -> Self {
-        Self {
-            kind: ErrorKind::Cancelled,
-            what: "cancelled".to_owned(),
-            remedies: vec![Remedy::Words("start it again".into())],
-        }
+        Self { kind: ErrorKind::Cancelled, what: "cancelled".to_owned(), remedies: Vec::new(), source: None }
     }
 
-    /// Returns true if the work was cancelled.
-    pub fn is_cancelled(&self) -> bool {
-        self.kind == ErrorKind::Cancelled
+    /// Returns an error of a file, a folder or an output stream to which the system refuses access.
+    pub fn files(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self::new(ErrorKind::Files, what, remedies)
+    }
+
+    /// Returns an error of too little memory on the machine or its Vulkan device, or of a thread that the system refuses.
+    pub fn memory(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self::new(ErrorKind::Memory, what, remedies)
+    }
+
+    /// Returns an error of a Vulkan device or a display that is missing, unfit or lost.
+    pub fn device(what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
+        Self::new(ErrorKind::Device, what, remedies)
+    }
+
+    /// Returns an error of a program that contradicts itself.
+    pub fn bug(what: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Bug, what, "report this as a bug of diffract")
+    }
+
+    /// Returns the same error with `source` as the error of another library or of the system that caused it.
+    #[must_use]
+    pub fn caused_by(mut self, source: impl std::error::Error + Send + Sync + 'static) -> Self {
+        self.source = Some(Arc::new(source));
+        self
     }
 
     /// Returns the same error with `place` (a file, a line, an option) named in front.
@@ -215,7 +265,7 @@ impl Error {
         self
     }
 
-    /// Returns the cause of the error.
+    /// Returns the kind of the error.
     pub fn kind(&self) -> ErrorKind {
         self.kind
     }
@@ -225,18 +275,20 @@ impl Error {
         &self.remedies
     }
 
-    /// Returns the exit code of the process.
-    pub fn exit_code(&self) -> u8 {
-        match self.kind {
-            ErrorKind::Failed | ErrorKind::Cancelled => 1,
-            ErrorKind::Usage => 2,
-        }
+    /// Returns true if the work was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.kind == ErrorKind::Cancelled
+    }
+
+    /// Returns true if the work takes more memory than there is, or is beyond a limit of its method: another method, or a smaller request, may succeed.
+    pub fn is_too_large(&self) -> bool {
+        matches!(self.kind, ErrorKind::Memory | ErrorKind::Limit)
     }
 
     /// Returns the error in one line, with its remedies in `words`.
     pub fn in_words<'a>(&'a self, words: impl Fn(&'a Remedy) -> Cow<'a, str>) -> String {
         let mut remedies: Vec<Cow<'a, str>> = self.remedies.iter().map(words).collect();
-        let last = remedies.pop().unwrap_or_default();
+        let Some(last) = remedies.pop() else { return line(&self.what) };
         let remedy = match remedies.as_slice() {
             [] => last.into_owned(),
             others => format!("{}, or {last}", others.join(", ")),
@@ -289,7 +341,11 @@ fn line(text: &str) -> String {
     shown.collect::<Vec<_>>().join(" ")
 }
 
-impl std::error::Error for Error {}
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.source.as_deref().map(|source| source as _)
+    }
+}
 
 #[cfg(test)]
 mod tests {
@@ -310,17 +366,51 @@ mod tests {
 
     #[test]
     fn an_error_is_one_line_that_names_place_and_remedy() {
-        let e = Error::failed("cannot read\nit", "check the path").at("a\nb.png");
+        let e = Error::files("cannot read\nit", "check the path").at("a\nb.png");
         assert_eq!(e.to_string(), "a b.png: cannot read it; check the path");
         assert_eq!(Error::usage("red\u{1b}[31m", "b").to_string(), "red [31m; b");
         assert!(Error::usage("9".repeat(1 << 20), "b").to_string().len() < 500);
-        assert_eq!(e.exit_code(), 1);
-        assert_eq!(Error::usage("a", "b").exit_code(), 2);
+        assert_eq!(Error::cancelled().to_string(), "cancelled");
+    }
+
+    /// Returns the source of `error` as a `T`.
+    fn source<T: std::error::Error + 'static>(error: &Error) -> Option<&T> {
+        std::error::Error::source(error)?.downcast_ref()
+    }
+
+    #[test]
+    fn each_kind_of_error_is_told_with_its_source() {
+        let wrong = crate::units::length("10").unwrap_err();
+        assert_eq!(wrong.kind(), ErrorKind::Usage, "{wrong}");
+        let missing = crate::input::read_text(std::path::Path::new("no/such"), "a text").unwrap_err();
+        assert_eq!(missing.kind(), ErrorKind::Files, "{missing}");
+        assert_eq!(missing.to_string(), "no/such: there is no such file; give a text");
+        assert_eq!(source::<io::Error>(&missing).unwrap().kind(), io::ErrorKind::NotFound);
+        let damaged = crate::export::MaterialDescription::parse("{").unwrap_err();
+        assert_eq!(damaged.kind(), ErrorKind::Input, "{damaged}");
+        assert!(source::<serde_json::Error>(&damaged).unwrap().is_eof());
+        #[cfg(target_os = "linux")] // others do not tell their memory
+        {
+            let large = crate::memory::ensure_room(u64::MAX, "the field").unwrap_err();
+            assert!(large.kind() == ErrorKind::Memory && large.is_too_large(), "{large}");
+        }
+        let high = crate::spectra::amplitude::expansion::taylor::terms_for(100.0, 1e-6, 1e-7).unwrap_err();
+        assert!(high.kind() == ErrorKind::Limit && high.is_too_large(), "{high}");
+        let task = crate::task::Task::silent();
+        task.cancel();
+        let cancelled = task.check().unwrap_err();
+        assert!(cancelled.kind() == ErrorKind::Cancelled && cancelled.is_cancelled(), "{cancelled}");
+        assert!(cancelled.remedies().is_empty() && !cancelled.is_too_large());
+        let bug = Error::bug("nothing is left").caused_by(fmt::Error);
+        assert_eq!(bug.kind(), ErrorKind::Bug);
+        assert_eq!(bug.to_string(), "nothing is left; report this as a bug of diffract");
+        assert!(source::<fmt::Error>(&bug.at("here")).is_some());
+        assert!(std::error::Error::source(&wrong).is_none());
     }
 
     #[test]
     fn remedies_are_alternatives_in_the_words_of_who_shows_them() {
-        let e = Error::failed("too large", [Remedy::SmallerPicture, Remedy::LargerTolerance]).or("wait");
+        let e = Error::limit("too large", [Remedy::SmallerPicture, Remedy::LargerTolerance]).or("wait");
         assert_eq!(
             e.to_string(),
             "too large; ask for a smaller picture, ask for a larger tolerance, or wait"

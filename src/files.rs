@@ -112,7 +112,11 @@ mod tests {
         ways.push(at("hard.png"));
         for way in ways {
             let e = Files::new().reads([at("in.png")]).writes([&way]).check().unwrap_err();
-            assert!(e.exit_code() == 2 && e.to_string().contains("is the input"), "{}: {e}", way.display());
+            assert!(
+                e.kind() == crate::error::ErrorKind::Usage && e.to_string().contains("is the input"),
+                "{}: {e}",
+                way.display()
+            );
         }
         assert!(Files::new().reads(["elaphe", "d65"]).writes([at("out.png")]).check().is_ok());
         assert!(Files::new().reads([at("in.png"), at("none.png")]).writes([at("new.png")]).check().is_ok());

@@ -24,15 +24,15 @@ pub fn open(path: &Path, expected: &str, limit: u64) -> Result<File> {
             std::io::ErrorKind::PermissionDenied => "it may not be read".to_owned(),
             _ => format!("it cannot be read: {}", error::cause(&e)),
         };
-        Error::failed(reason, format!("give {expected}")).at(&place)
+        Error::files(reason, format!("give {expected}")).caused_by(e).at(&place)
     };
     let metadata = std::fs::metadata(path).map_err(describe)?;
     if !metadata.is_file() {
         let what = if metadata.is_dir() { "it is a folder" } else { "it is not a regular file" };
-        return Err(Error::failed(what, format!("give {expected}")).at(&place));
+        return Err(Error::input(what, format!("give {expected}")).at(&place));
     }
     if metadata.len() > limit {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("it has {} bytes, more than the {limit} that are read", metadata.len()),
             format!("give {expected}"),
         )
@@ -50,7 +50,10 @@ pub fn read_text(path: &Path, expected: &str) -> Result<String> {
     let mut text = String::new();
     // The file may grow while it is read, so the limit applies to the read bytes as well.
     file.take(MAX_TEXT).read_to_string(&mut text).map_err(|e| {
-        Error::failed(format!("it is not text ({e})"), format!("give {expected}")).at(path.display())
+        let (what, remedy) = (format!("it is not text ({e})"), format!("give {expected}"));
+        let is_not_text = e.kind() == std::io::ErrorKind::InvalidData;
+        let error = if is_not_text { Error::input(what, remedy) } else { Error::files(what, remedy) };
+        error.caused_by(e).at(path.display())
     })?;
     Ok(text)
 }
@@ -78,7 +81,7 @@ impl PictureFile {
     pub fn read(&self, path: &Path) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let file = open(path, self.expected, MAX_TEXT)?;
-        file.take(MAX_TEXT).read_to_end(&mut bytes).map_err(|e| self.refuse(&e).at(path.display()))?;
+        file.take(MAX_TEXT).read_to_end(&mut bytes).map_err(|e| self.unreadable(e).at(path.display()))?;
         Ok(bytes)
     }
 
@@ -90,7 +93,7 @@ impl PictureFile {
         self.reader(bytes)?
             .into_dimensions()
             .map(|(width, height)| [width, height])
-            .map_err(|e| self.refuse(&e))
+            .map_err(|e| self.refuse(&e).caused_by(e))
     }
 
     /// Decodes the picture in `bytes`.
@@ -106,7 +109,7 @@ impl PictureFile {
         limits.max_image_width = Some(self.side);
         limits.max_image_height = Some(self.side);
         reader.limits(limits);
-        reader.decode().map_err(|e| self.refuse(&e))
+        reader.decode().map_err(|e| self.refuse(&e).caused_by(e))
     }
 
     /// Fails for an EXR file that stores far more than its display window, or in blocks that are larger than the picture: its decoder
@@ -116,7 +119,7 @@ impl PictureFile {
         const OVERSCAN: u64 = 4;
         /// Pixels of the largest tile in which a smaller picture may be stored.
         const TILE: u64 = 1 << 20;
-        let meta = MetaData::read_from_buffered(bytes, false).map_err(|e| self.refuse(&e))?;
+        let meta = MetaData::read_from_buffered(bytes, false).map_err(|e| self.refuse(&e).caused_by(e))?;
         let area = |size: Vec2<usize>| (size.0 as u64).saturating_mul(size.1 as u64);
         for header in &meta.headers {
             let (shown, stored) =
@@ -135,19 +138,27 @@ impl PictureFile {
     }
 
     fn reader<'a>(&self, bytes: &'a [u8]) -> Result<ImageReader<Cursor<&'a [u8]>>> {
-        let reader =
-            ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| self.refuse(&e))?;
+        let reader = ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|e| self.refuse(&e).caused_by(e))?;
         match reader.format() {
             Some(format) if self.formats.contains(&format) => Ok(reader),
             _ => Err(self.refuse(&self.names)),
         }
     }
 
+    /// Returns the error for a content that is refused for `cause`.
     fn refuse(&self, cause: &dyn fmt::Display) -> Error {
-        Error::failed(
-            format!("it cannot be read as {} ({cause})", self.role),
-            format!("give {}", self.expected),
-        )
+        Error::input(self.refusal(cause), format!("give {}", self.expected))
+    }
+
+    /// Returns the error for a file that the system does not read.
+    fn unreadable(&self, cause: std::io::Error) -> Error {
+        Error::files(self.refusal(&cause), format!("give {}", self.expected)).caused_by(cause)
+    }
+
+    fn refusal(&self, cause: &dyn fmt::Display) -> String {
+        format!("it cannot be read as {} ({cause})", self.role)
     }
 }
 

@@ -18,7 +18,7 @@ fn check(bytes: u64, available: Option<u64>, what: &str) -> Result<()> {
     // An eighth more for small allocations beside a large one, and for the address space that the C library sets aside for each thread.
     let bytes = bytes.saturating_add(bytes / 8);
     match available {
-        Some(room) if bytes > room => Err(Error::failed(
+        Some(room) if bytes > room => Err(Error::memory(
             format!("{what} would take {} of memory and {} are free", in_words(bytes), in_words(room)),
             "use a smaller field, or a machine with more memory",
         )),
@@ -61,13 +61,13 @@ fn available() -> Option<u64> {
 
 /// Returns the memory that the limits of this process' control groups leave beside its present memory \[bytes\]; `None` without a limit.
 fn group_available() -> Option<u64> {
-    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default(); // no /proc: no groups are known
     // A container sees its control group as the root.
     let root =
         ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"].map(PathBuf::from);
     let files = group_limits(&groups).into_iter().chain(root);
     let limit = files.filter_map(|file| fs::read_to_string(file).ok()?.trim().parse::<u64>().ok()).min()?;
-    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default(); // no /proc: nothing counts as taken
     Some(limit.saturating_sub(kib_after("VmRSS:", &status).unwrap_or(0)))
 }
 

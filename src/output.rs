@@ -30,13 +30,14 @@ pub fn write_atomically<T>(
     let mut draft = Draft::beside(&target).map_err(|e| e.at(path.display()))?;
     let mut writer = BufWriter::new(draft.file());
     let value = write(&mut writer)?;
-    writer.flush().map_err(|e| write_failed(path, &e))?;
+    writer.flush().map_err(|e| write_failed(path, e))?;
     drop(writer);
-    draft.file().sync_all().map_err(|e| write_failed(path, &e))?;
+    draft.file().sync_all().map_err(|e| write_failed(path, e))?;
     if let Ok(former) = fs::metadata(&target) {
-        pass_on(&former, draft.file()).map_err(|e| write_failed(path, &e))?;
+        // otherwise there is no former file
+        pass_on(&former, draft.file()).map_err(|e| write_failed(path, e))?;
     }
-    draft.persist(&target).map_err(|e| write_failed(path, &e))?;
+    draft.persist(&target).map_err(|e| write_failed(path, e))?;
     Ok(value)
 }
 
@@ -79,7 +80,7 @@ impl Draft {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        Self::new(folder, BEFORE_UMASK).map_err(|e| cannot_create(&e, folder))
+        Self::new(folder, BEFORE_UMASK).map_err(|e| cannot_create(e, folder))
     }
 
     /// Returns the file for writing.
@@ -136,21 +137,22 @@ fn pass_on(former: &Metadata, file: &File) -> io::Result<()> {
         let written = file.metadata()?;
         // Each separately: the group may be allowed if the owner is not.
         if written.gid() != former.gid() {
-            let _ = fchown(file, None, Some(former.gid()));
+            let _ = fchown(file, None, Some(former.gid())); // refused: the group of this process stays
         }
         if written.uid() != former.uid() {
-            let _ = fchown(file, Some(former.uid()), None);
+            let _ = fchown(file, Some(former.uid()), None); // refused: this user stays the owner
         }
     }
     file.set_permissions(former.permissions())
 }
 
 /// Returns the error for a write to `path` that the system refused.
-pub fn write_failed(path: &Path, cause: &io::Error) -> Error {
-    Error::failed(
-        format!("cannot write: {}", error::cause(cause)),
+pub fn write_failed(path: &Path, cause: io::Error) -> Error {
+    Error::files(
+        format!("cannot write: {}", error::cause(&cause)),
         "check the free space and the permissions",
     )
+    .caused_by(cause)
     .at(path.display())
 }
 
@@ -175,8 +177,8 @@ fn resolve(path: &Path) -> Result<PathBuf> {
             format!("{}: is write-protected and would be replaced", path.display()),
             "give the output another name, or allow writing to the file",
         )),
-        Ok(_) => path.canonicalize().map_err(|e| write_failed(path, &e)),
-        Err(_) => Ok(path.to_path_buf()),
+        Ok(_) => path.canonicalize().map_err(|e| write_failed(path, e)),
+        Err(_) => Ok(path.to_path_buf()), // there is nothing to replace; creating the file tells what else is wrong
     }
 }
 
@@ -191,20 +193,21 @@ fn may_be_written(path: &Path, there: &Metadata) -> bool {
     !there.permissions().readonly()
 }
 
-fn cannot_create(cause: &io::Error, folder: &Path) -> Error {
+fn cannot_create(cause: io::Error, folder: &Path) -> Error {
     let folder = folder.display();
-    match cause.kind() {
+    let error = match cause.kind() {
         io::ErrorKind::NotFound => {
-            Error::failed(format!("the folder {folder} does not exist"), "create it or choose another one")
+            Error::files(format!("the folder {folder} does not exist"), "create it or choose another one")
         }
         io::ErrorKind::NotADirectory => {
-            Error::failed(format!("{folder} is not a folder"), "choose another place for the output")
+            Error::files(format!("{folder} is not a folder"), "choose another place for the output")
         }
-        _ => Error::failed(
-            format!("cannot create a file in the folder {folder}: {}", error::cause(cause)),
+        _ => Error::files(
+            format!("cannot create a file in the folder {folder}: {}", error::cause(&cause)),
             "make it writable or choose another one",
         ),
-    }
+    };
+    error.caused_by(cause)
 }
 
 /// Returns a builder of temporary files with the permissions `mode`, less the umask; the default of `tempfile` is the owner only.
@@ -227,7 +230,7 @@ mod tests {
     }
 
     fn put(path: &Path, text: &str) -> Result<()> {
-        write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, &e)))
+        write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, e)))
     }
 
     #[test]
@@ -251,7 +254,7 @@ mod tests {
         put(&path, "one").unwrap();
         let failed: Result<()> = write_atomically(&path, |file| {
             file.write_all(b"half").unwrap();
-            Err(Error::failed("no", "stop"))
+            Err(Error::input("no", "stop"))
         });
         assert!(failed.is_err());
         assert_eq!(fs::read_to_string(&path).unwrap(), "one");
@@ -264,7 +267,7 @@ mod tests {
         let e = put(&folder.path().join("no/a.txt"), "x").unwrap_err().to_string();
         assert!(e.contains("does not exist"), "{e}");
         let e = put(folder.path(), "x").unwrap_err();
-        assert!(e.to_string().contains("is a folder") && e.exit_code() == 2, "{e}");
+        assert!(e.to_string().contains("is a folder") && e.kind() == error::ErrorKind::Usage, "{e}");
         assert!(put(Path::new(""), "x").is_err());
         assert!(put(&folder.path().join("a.txt/"), "x").unwrap_err().to_string().contains("names no file"));
         fs::write(folder.path().join("file"), "x").unwrap();
@@ -318,7 +321,7 @@ mod tests {
         fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
         for refused in [check(&path), put(&path, "two")] {
             let e = refused.unwrap_err();
-            assert!(e.exit_code() == 2 && e.to_string().contains("write-protected"), "{e}");
+            assert!(e.kind() == error::ErrorKind::Usage && e.to_string().contains("write-protected"), "{e}");
         }
         assert_eq!(fs::read_to_string(&path).unwrap(), "one");
     }
@@ -333,7 +336,7 @@ mod tests {
         let path = folder.path().join("a.txt");
         put(&path, "one").unwrap();
         write_atomically(&path, |file| {
-            file.write_all(b"two").map_err(|e| write_failed(&path, &e))?;
+            file.write_all(b"two").map_err(|e| write_failed(&path, e))?;
             assert_eq!(entries(folder.path()), 1, "the former file alone");
             Ok(())
         })

@@ -49,8 +49,8 @@ pub fn write(path: &Path, format: PictureFormat, picture: &Picture, notes: &Note
         };
         // Encoders wrap the system's error in words about their format; flushing the rest returns that error again.
         encoded.map_err(|e| match file.flush() {
-            Err(cause) => output::write_failed(path, &cause),
-            Ok(()) => output::write_failed(path, &e),
+            Err(cause) => output::write_failed(path, cause),
+            Ok(()) => output::write_failed(path, e),
         })
     })
 }
@@ -231,7 +231,11 @@ mod tests {
     #[test]
     fn other_names_are_refused() {
         for name in ["a", "a.jpg", "png", "a.png.gz"] {
-            assert_eq!(PictureFormat::of(Path::new(name)).unwrap_err().exit_code(), 2, "{name}");
+            assert_eq!(
+                PictureFormat::of(Path::new(name)).unwrap_err().kind(),
+                crate::error::ErrorKind::Usage,
+                "{name}"
+            );
         }
         assert_eq!(PictureFormat::of(Path::new("A.PNG")).unwrap(), PictureFormat::Png);
     }

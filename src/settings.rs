@@ -226,7 +226,10 @@ mod tests {
         ];
         for optics in refused {
             let error = optics.check().unwrap_err();
-            assert!(error.exit_code() == 2 && !error.remedies().is_empty(), "{optics:?}: {error}");
+            assert!(
+                error.kind() == crate::error::ErrorKind::Usage && !error.remedies().is_empty(),
+                "{optics:?}: {error}"
+            );
             let settled = Optics { tolerance: 1e-2, ..optics }.settled();
             assert_eq!(settled.clone().checked().unwrap(), settled);
         }

@@ -82,7 +82,7 @@ mod tests {
         move |tolerance| {
             let remedy =
                 if tells { Remedy::TimesTolerance(least / tolerance) } else { Remedy::LargerTolerance };
-            if tolerance >= least { Ok(()) } else { Err(Error::failed("too small", remedy)) }
+            if tolerance >= least { Ok(()) } else { Err(Error::limit("too small", remedy)) }
         }
     }
 
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_growth_that_is_too_large_does_not_hide_a_smaller_tolerance() {
-        let refusal = Error::failed("too small", Remedy::TimesTolerance(9.5));
+        let refusal = Error::limit("too small", Remedy::TimesTolerance(9.5));
         let error = with_least(refusal, 1e-2, request(0.031, true));
         assert_eq!(error.remedies(), [Remedy::Tolerance(4e-2)]);
     }
@@ -117,11 +117,11 @@ mod tests {
     #[test]
     fn a_tolerance_that_does_not_help_is_no_remedy() {
         for remedy in [Remedy::LargerTolerance, Remedy::TimesTolerance(f64::INFINITY)] {
-            let error = Error::failed("too small", remedy).or("look elsewhere");
+            let error = Error::limit("too small", remedy).or("look elsewhere");
             let named = with_least(error, 1e-2, request(2.0, false));
             assert_eq!(named.to_string(), "too small; look elsewhere");
         }
-        let other = Error::failed("no", "stop");
+        let other = Error::input("no", "stop");
         assert_eq!(with_least(other.clone(), 1e-2, |_| panic!("tried")), other);
     }
 }

@@ -297,7 +297,7 @@ mod tests {
             "12deg",
         ] {
             let e = length(text).unwrap_err();
-            assert_eq!(e.exit_code(), 2, "{text}");
+            assert_eq!(e.kind(), crate::error::ErrorKind::Usage, "{text}");
             assert!(e.to_string().contains("; "), "{text}");
         }
     }
@@ -353,7 +353,7 @@ mod tests {
         }
         assert_eq!(bytes("500").unwrap_err().to_string(), "500 has no unit; write 500MiB, 2GiB or 0");
         for text in ["", "GiB", "-1MiB", "8388609TiB", "1e400GB", "infMiB", "NaNB", "2 gigabytes", "0x10MB"] {
-            assert_eq!(bytes(text).unwrap_err().exit_code(), 2, "{text}");
+            assert_eq!(bytes(text).unwrap_err().kind(), crate::error::ErrorKind::Usage, "{text}");
         }
     }
 

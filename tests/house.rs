@@ -486,3 +486,40 @@ fn types_are_found() {
     let code = "pub struct A<'a> {\nstruct B(u8);\n    pub(super) enum C {\npub(in crate::render) trait D: E {\n// struct F\n/// enum G\nstruct $name;\nconst H: I = J;\n#[cfg(test)]\nmod k;\nstruct L;\n#[cfg(test)]\nmod tests {\nstruct M;";
     assert_eq!(types(code), ["A", "B", "C", "D", "L"]);
 }
+
+/// Numbers of the lines of `code`, outside of test modules, that drop an error without a reason: a comment in the line or in the one before.
+fn dropped_errors(code: &str) -> Vec<usize> {
+    /// Calls that fail for reasons of their own.
+    const FALLIBLE: [&str; 6] = ["lock()", "serde_json::", "toml::", "fs::", "read_text(", ".parse"];
+    let drops = |line: &str| {
+        let ignored = line.trim_start().strip_prefix("let _ = ");
+        line.contains("Err(_)")
+            // Writing to a String cannot fail.
+            || ignored.is_some_and(|what| what.contains('(') && !what.starts_with('(') && !what.starts_with("write"))
+            || line.contains("unwrap_or_default()") && FALLIBLE.iter().any(|call| line.contains(call))
+    };
+    let lines: Vec<&str> = code.split("#[cfg(test)]\nmod tests").next().unwrap_or(code).lines().collect();
+    let has_reason = |i: usize| lines[i].contains("// ") || i > 0 && lines[i - 1].contains("// ");
+    (0..lines.len()).filter(|&i| drops(lines[i]) && !has_reason(i)).map(|i| i + 1).collect()
+}
+
+#[test]
+fn an_error_is_dropped_for_a_reason_alone() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let is_test =
+        |file: &Path| ["tests.rs", "testing.rs"].iter().any(|end| file.to_string_lossy().ends_with(end));
+    for file in sources().into_iter().filter(|file| !is_test(file)) {
+        let dropped = dropped_errors(&std::fs::read_to_string(root.join(&file)).unwrap());
+        assert!(
+            dropped.is_empty(),
+            "src/{}: the lines {dropped:?} drop an error: pass it on, or say in a comment why not",
+            file.display()
+        );
+    }
+}
+
+#[test]
+fn dropped_errors_are_found() {
+    let code = "Err(_) => 0,\nErr(_) => 0, // none\n// none\nlet _ = a();\nlet _ = a();\nlet _ = write!(s, \"\");\nlet _ = (a, b);\nfs::read(a).unwrap_or_default()\na.unwrap_or_default()\n#[cfg(test)]\nmod tests {\nlet _ = a();\n";
+    assert_eq!(dropped_errors(code), [1, 5, 8]);
+}

@@ -4,7 +4,7 @@ use super::albedo::Decimation;
 use super::mean::MeanBrdf;
 use super::tabulated::{ColourSampling, SummedOrders, TabulatedMean};
 use super::{Brdf, without_cosine};
-use crate::error::{Remedy, Result};
+use crate::error::{Error, Remedy, Result};
 use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
@@ -166,11 +166,11 @@ impl MeanReference {
         }
         match self.table(task) {
             Ok(table) => Ok(Some(table)),
-            Err(error) if error.is_cancelled() => Err(error),
-            Err(_) => {
+            Err(error) if error.is_too_large() => {
                 self.too_large.store(true, Ordering::Relaxed);
                 Ok(None)
             }
+            Err(error) => Err(error),
         }
     }
 }
@@ -191,7 +191,8 @@ impl Brdf for MeanReference {
         if !self.mean.reflectance.is_limited() {
             return Ok(values);
         }
-        let table = self.table(task).map_err(|e| e.or(Remedy::UnlimitedTheory))?;
+        let advise = |e: Error| if e.is_too_large() { e.or(Remedy::UnlimitedTheory) } else { e };
+        let table = self.table(task).map_err(advise)?;
         Ok(limited(&table, pairs, wavelength, values))
     }
 
@@ -297,6 +298,23 @@ mod tests {
             assert!(faintest < 1e-9 * brightest, "no direction is faint");
             assert!(squares.sqrt() < 1e-3, "{}", squares.sqrt());
         }
+    }
+
+    #[test]
+    fn a_surface_that_is_too_high_for_the_series_is_summed_directly_and_cancelled_work_is_not() {
+        let heights = (0..64).map(|i| if i % 8 < 4 { 0.0 } else { 900.0 }).collect();
+        let field = HeightField::new(8, 8, [0.1; 2], heights).unwrap();
+        let pairs = pairs(WORTH_A_TABLE + 1);
+        let task = Task::silent();
+        assert!(TabulatedMean::new(mean(&field), SHORTEST, &task).is_err_and(|e| e.is_too_large()));
+        let reference = MeanReference::new(mean(&field), Illuminant::D65, SHORTEST);
+        assert_eq!(reference.spectral(&pairs, 0.55, &task).unwrap().len(), pairs.len());
+        assert_eq!(reference.albedo(DVec3::Z, None, &task).unwrap(), None);
+        let [field, _] = short_patches();
+        let reference = MeanReference::new(mean(&field), Illuminant::D65, SHORTEST);
+        task.cancel();
+        assert!(reference.albedo(DVec3::Z, None, &task).is_err_and(|e| e.is_cancelled()));
+        assert!(reference.albedo(DVec3::Z, None, &Task::silent()).unwrap().is_some(), "not too large");
     }
 
     #[test]

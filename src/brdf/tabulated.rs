@@ -107,7 +107,7 @@ impl TabulatedMean {
         let terms = Self::terms(field, shortest);
         if terms > MOST_TERMS {
             let (low, high) = field.range();
-            return Err(Error::failed(
+            return Err(Error::limit(
                 format!(
                     "heights that span {:.1} um need {terms} terms in z, more than {MOST_TERMS}",
                     high - low

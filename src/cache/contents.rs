@@ -57,7 +57,7 @@ fn kind_of(name: &str) -> Option<&str> {
 /// Returns all results in `folder`. Links and everything else that is no regular file are left alone.
 fn entries(folder: &Path) -> std::io::Result<Vec<CacheEntry>> {
     let now = SystemTime::now();
-    let entry = |file: fs::DirEntry| {
+    let entry = |file: fs::DirEntry| -> Option<CacheEntry> {
         let name = file.file_name();
         let kind = kind_of(name.to_str()?)?.to_owned();
         // Metadata of the entry itself: a link is not followed.
@@ -67,7 +67,7 @@ fn entries(folder: &Path) -> std::io::Result<Vec<CacheEntry>> {
         let used = if used > now { SystemTime::UNIX_EPOCH } else { used };
         Some(CacheEntry { path: file.path(), kind, bytes: metadata.len(), used })
     };
-    Ok(fs::read_dir(folder)?.flatten().filter_map(entry).collect())
+    fs::read_dir(folder)?.filter_map(|file| file.map(entry).transpose()).collect()
 }
 
 fn summary(entries: &[CacheEntry]) -> Contents {
@@ -91,7 +91,7 @@ pub(super) fn clear(folder: &Path) -> Result<Contents> {
     for entry in &entries {
         match fs::remove_file(&entry.path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-                return Err(output::write_failed(&entry.path, &e));
+                return Err(output::write_failed(&entry.path, e));
             }
             _ => {}
         }
@@ -105,13 +105,13 @@ fn listed(folder: &Path) -> Result<Vec<CacheEntry>> {
         return Ok(vec![]);
     }
     folder::check(folder)?;
-    entries(folder).map_err(|e| output::write_failed(folder, &e))
+    entries(folder).map_err(|e| output::write_failed(folder, e))
 }
 
 /// Removes the least recently used results of `folder` until the remaining ones take at most `most` bytes; `replaced` does not count,
 /// because it is about to be replaced.
 pub(super) fn make_room(folder: &Path, most: u64, replaced: &Path) {
-    let mut entries = entries(folder).unwrap_or_default();
+    let mut entries = entries(folder).unwrap_or_default(); // what cannot be listed cannot be removed; writing will fail
     entries.retain(|entry| entry.path != replaced);
     // Last used first; names break ties, so that the order is the same everywhere.
     entries.sort_by(|a, b| Reverse(a.used).cmp(&Reverse(b.used)).then_with(|| a.path.cmp(&b.path)));
@@ -138,7 +138,7 @@ pub(super) fn sweep(folder: &Path) {
         // A time in the future says nothing about the age.
         let is_new = modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age < JUST_NOW));
         if !is_new && open.try_lock().is_ok() {
-            let _ = fs::remove_file(file.path());
+            let _ = fs::remove_file(file.path()); // the next sweep tries again
         }
     }
 }

@@ -58,9 +58,9 @@ impl Head {
             payload_bytes: payload,
             header,
         };
-        let cannot = |what: String| Error::failed(what, "report this as a bug of diffract");
-        let header =
-            serde_json::to_vec(&envelope).map_err(|e| cannot(format!("the header is no JSON ({e})")))?;
+        let cannot = |what: String| Error::bug(what);
+        let header = serde_json::to_vec(&envelope)
+            .map_err(|e| cannot(format!("the header is no JSON ({e})")).caused_by(e))?;
         if header.len() as u64 > LARGEST_HEADER {
             return Err(cannot(format!("the header of {} is too long", format.name)));
         }
@@ -89,8 +89,7 @@ pub(super) fn write(file: &mut impl Write, head: &Head, payload: &[&[u8]]) -> io
 pub fn seal(format: &EntryFormat, key: &Key, header: &serde_json::Value, payload: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     if let Ok(head) = Head::new(format, key, header, &[payload]) {
-        // Writing to memory does not fail.
-        let _ = write(&mut file, &head, &[payload]);
+        let _ = write(&mut file, &head, &[payload]); // writing to memory does not fail
     }
     file
 }

@@ -26,7 +26,7 @@ pub(super) fn prepare(folder: &Path) -> Result<()> {
     builder.recursive(true);
     #[cfg(unix)]
     std::os::unix::fs::DirBuilderExt::mode(&mut builder, OWNER_ONLY);
-    builder.create(folder).map_err(|e| output::write_failed(folder, &e))?;
+    builder.create(folder).map_err(|e| output::write_failed(folder, e))?;
     check(folder)
 }
 
@@ -35,9 +35,9 @@ pub(super) fn prepare(folder: &Path) -> Result<()> {
 /// # Errors
 /// A folder that does not exist, is a link or another kind of file, belongs to another user, or cannot be closed.
 pub(super) fn check(folder: &Path) -> Result<()> {
-    let found = fs::symlink_metadata(folder).map_err(|e| output::write_failed(folder, &e))?;
+    let found = fs::symlink_metadata(folder).map_err(|e| output::write_failed(folder, e))?;
     let refuse = |what: &str| {
-        Err(Error::failed(what, "set XDG_CACHE_HOME to a folder of your own").at(folder.display()))
+        Err(Error::files(what, "set XDG_CACHE_HOME to a folder of your own").at(folder.display()))
     };
     if !found.is_dir() {
         return refuse("is not a folder, and links are not followed");
@@ -51,7 +51,7 @@ pub(super) fn check(folder: &Path) -> Result<()> {
         // A closed folder keeps others from putting links or files there.
         if found.mode() & 0o777 != OWNER_ONLY {
             let closed = fs::set_permissions(folder, fs::Permissions::from_mode(OWNER_ONLY));
-            closed.map_err(|e| output::write_failed(folder, &e))?;
+            closed.map_err(|e| output::write_failed(folder, e))?;
         }
     }
     Ok(())

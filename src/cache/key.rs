@@ -61,9 +61,8 @@ impl Key {
 fn hasher_of(format: &EntryFormat, settings: &impl Serialize) -> Result<blake3::Hasher> {
     let mut hasher = blake3::Hasher::new();
     let EntryFormat { name, version } = format;
-    let json = serde_json::to_vec(&(name, version, settings)).map_err(|e| {
-        Error::failed(format!("the settings are no key ({e})"), "report this as a bug of diffract")
-    })?;
+    let json = serde_json::to_vec(&(name, version, settings))
+        .map_err(|e| Error::bug(format!("the settings are no key ({e})")).caused_by(e))?;
     hasher.update(&(json.len() as u64).to_le_bytes());
     hasher.update(&json);
     Ok(hasher)

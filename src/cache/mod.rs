@@ -41,7 +41,7 @@ static LIMIT: OnceLock<u64> = OnceLock::new();
 /// Sets the limit of every [`Store`] that this process opens from now on \[bytes\]; 0 turns the cache off. The folder and its limit belong
 /// to the process, like its environment. Only the first call counts.
 pub fn set_limit(bytes: u64) {
-    let _ = LIMIT.set(bytes);
+    let _ = LIMIT.set(bytes); // fails at the second call
 }
 
 /// Cache folder and its limit.
@@ -124,7 +124,7 @@ impl Store {
         let head = file::Head::new(format, key, header, payload)?;
         let size = head.file_bytes();
         if size > self.limit {
-            return Err(Error::failed(
+            return Err(Error::limit(
                 format!(
                     "{} are more than the cache may hold, {}",
                     memory::in_words(size),
@@ -136,10 +136,10 @@ impl Store {
         folder::prepare(&self.folder)?;
         contents::sweep(&self.folder);
         contents::make_room(&self.folder, self.limit - size, &place);
-        let failed = |e: std::io::Error| output::write_failed(&self.folder, &e);
+        let failed = |e: std::io::Error| output::write_failed(&self.folder, e);
         let mut draft = output::Draft::new(&self.folder, OWNER_ONLY).map_err(failed)?;
         // Lock held while the file is written: a sweep removes only temporary files without a lock.
-        let _ = draft.file().try_lock();
+        let _ = draft.file().try_lock(); // a file system without locks: the age alone protects the file
         let mut writer = BufWriter::new(draft.file());
         file::write(&mut writer, &head, payload).map_err(failed)?;
         drop(writer);

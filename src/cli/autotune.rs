@@ -1,6 +1,6 @@
 //! Autotuning: the most accurate setting that keeps a frame rate, found by timing each candidate.
 
-use super::benchmark::{BenchmarkOptions, BenchmarkScene};
+use super::benchmark::{BenchmarkOptions, BenchmarkScene, is_impossible};
 use super::remedies::in_options;
 use super::say;
 use crate::error::{Error, Result};
@@ -46,11 +46,12 @@ pub fn tune(fps: f64, scene: &BenchmarkScene, options: &BenchmarkOptions) -> Res
         let flags = flags(&options);
         let rate = match frame_rate(scene, &options) {
             Ok(rate) => rate,
-            Err(error) => {
+            Err(error) if is_impossible(&error) => {
                 say(&format_args!("{flags}: not possible here ({})", in_options(&error)));
                 refused = Some(error);
                 continue;
             }
+            Err(error) => return Err(error),
         };
         say(&format_args!("{flags}: {rate:.2} frames a second"));
         let setting = TunedSetting { options, flags, keeps: rate >= fps };

@@ -6,7 +6,7 @@ use super::options::{
 use super::progress::ProgressBar;
 use super::{prepare, say};
 use crate::brdf::tabulated::ColourSampling;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::measure::budget::MeasuredBudget;
 use crate::measure::error::{self, PixelErrors};
 use crate::measure::profile::measure;
@@ -60,6 +60,11 @@ pub struct BenchmarkOptions {
     pub device: DeviceOptions,
     #[command(flatten)]
     pub cache: CacheOptions,
+}
+
+/// Returns true if `error` refuses a setting, and others may still be measured: it is beyond a limit, takes too much memory, or cannot be meant here.
+pub fn is_impossible(error: &Error) -> bool {
+    error.is_too_large() || error.kind() == ErrorKind::Usage
 }
 
 /// Parses a frame rate \[1/s\].

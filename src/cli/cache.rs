@@ -27,7 +27,7 @@ enum Action {
 /// Shows or clears the cache.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let store = Store::open().ok_or_else(|| {
-        Error::failed("there is no folder for a cache", "set XDG_CACHE_HOME or HOME to an absolute path")
+        Error::files("there is no folder for a cache", "set XDG_CACHE_HOME or HOME to an absolute path")
     })?;
     let folder = store.folder().display();
     let text = match arguments.action {

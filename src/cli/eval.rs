@@ -115,10 +115,11 @@ impl QueryTable {
     /// Parses the text of a file.
     pub fn parse(text: &str) -> Result<Self> {
         let remedy = "write the header theta_i,phi_i,theta_r,phi_r with wavelength (nm) or not, then numbers";
-        let bad = |line: u64, what: String| Error::failed(format!("line {line}: {what}"), remedy);
+        let bad = |line: u64, what: String| Error::input(format!("line {line}: {what}"), remedy);
         let text = text.strip_prefix('\u{feff}').unwrap_or(text); // spreadsheets write a byte order mark
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-        let fail = |e: csv::Error| bad(e.position().map_or(1, csv::Position::line), e.to_string());
+        let fail =
+            |e: csv::Error| bad(e.position().map_or(1, csv::Position::line), e.to_string()).caused_by(e);
         let header: Vec<String> = reader.headers().map_err(fail)?.iter().map(str::to_owned).collect();
         let column = |name: &str| match header.iter().filter(|h| *h == name).count() {
             0 | 1 => Ok(header.iter().position(|h| h == name)),
@@ -130,14 +131,14 @@ impl QueryTable {
         }
         let wavelength_column = column(WAVELENGTH)?;
         if let Some(name) = header.iter().find(|name| resembles(name)) {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("line 1: the column `{name}` is not {WAVELENGTH}"),
                 format!("do you mean `{WAVELENGTH}`? Otherwise rename the column"),
             ));
         }
         for answer in answers(wavelength_column.is_some()) {
             if header.iter().any(|name| name == answer) {
-                return Err(Error::failed(
+                return Err(Error::input(
                     format!("line 1: the column {answer} is one that the answer adds"),
                     "leave it out or rename it",
                 ));

@@ -109,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let bar = ProgressBar::new("orders", LESS_WORK);
     let material = ExportedMaterial::new(&field, &settings, &bar.task())?;
     drop(bar);
-    let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command());
+    let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command())?;
     if let Some(folder) = &arguments.output {
         write_export(folder, &material, &mut description)?;
     }
@@ -212,7 +212,7 @@ fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
     }
     let PortErrors { relative_l2, own_rms, own_p99 } = PortErrors::RIGHT;
     let [all, each, most] = [relative_l2, own_rms, own_p99].map(percent);
-    Err(Error::failed(
+    Err(Error::input(
         format!("the answers are not those of the table: {found}; {all}, {each} and {most} are allowed"),
         "compare them with the columns table_r, table_g and table_b of conformance.csv row by row",
     )

@@ -64,7 +64,7 @@ impl SequenceOrigin {
         let turned = (sequence.motion, sequence.count, first);
         let settings = format!("{:?}", (turned, shown, meshes, textures, others, settings));
         let field = surfaces[0].field.as_deref();
-        let nothing = || Error::failed("the first object has no surface", "report this as a bug of diffract");
+        let nothing = || Error::bug("the first object has no surface");
         Key::new(&SEQUENCES, &settings, field.ok_or_else(nothing)?).map(Self)
     }
 
@@ -125,7 +125,7 @@ fn hash(text: &str, size: [u32; 2], pixels: &[u8]) -> String {
 fn is_whole(path: &Path) -> bool {
     let Some(said) = picture_file::text_of(path) else { return false };
     let Some((text, named)) = said.rsplit_once(&format!("\n{SEAL}: ")) else { return false };
-    let Ok((size, pixels)) = decoded(path) else { return false };
+    let Ok((size, pixels)) = decoded(path) else { return false }; // a damaged picture is drawn again
     hash(text, size, &pixels) == named
 }
 
@@ -138,12 +138,13 @@ fn decoded(path: &Path) -> Result<([u32; 2], Vec<u8>)> {
         role: "a picture",
         side: u32::MAX,
     };
-    let unreadable = |e: std::io::Error| Error::failed(error::cause(&e), "check the file").at(path.display());
+    let unreadable =
+        |e: std::io::Error| Error::files(error::cause(&e), "check the file").caused_by(e).at(path.display());
     let bytes = std::fs::read(path).map_err(unreadable)?;
     // The decoder does not look for the end of a PNG.
     const END_OF_PNG: &[u8] = b"\0\0\0\0IEND\xaeB`\x82";
     if PictureFormat::of(path)? == PictureFormat::Png && !bytes.ends_with(END_OF_PNG) {
-        return Err(Error::failed("the PNG has no end", "draw it again").at(path.display()));
+        return Err(Error::input("the PNG has no end", "draw it again").at(path.display()));
     }
     let [width, height] = PICTURE.size(&bytes)?;
     /// Four floats, as decoded and as kept.

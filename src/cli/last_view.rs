@@ -41,17 +41,19 @@ pub fn keep(settings: &ViewSettings, scene: &Scene) -> Result<()> {
 fn write(name: &str, words: &[String]) -> Result<()> {
     let Some(path) = path(name) else { return Ok(()) };
     if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, e))?;
     }
     output::write_atomically(&path, |file| {
-        let text = serde_json::to_string(words).unwrap_or_default();
-        file.write_all(text.as_bytes()).map_err(|e| output::write_failed(&path, &e))
+        let no_json = |e| Error::bug(format!("words are no JSON ({e})")).caused_by(e);
+        let text = serde_json::to_string(words).map_err(no_json)?;
+        file.write_all(text.as_bytes()).map_err(|e| output::write_failed(&path, e))
     })
 }
 
 /// Returns the recently opened files, the newest first. A damaged list counts as empty and is replaced at the next change.
 pub fn recent() -> Vec<String> {
     let text = path(RECENT).and_then(|path| input::read_text(&path, "a list of files").ok());
+    // No list, or a damaged one.
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 
@@ -68,15 +70,16 @@ pub fn keep_recent(names: &[String]) -> Result<()> {
 /// # Errors
 /// No stored settings, or damaged ones.
 pub fn words() -> Result<Vec<OsString>> {
-    let nothing = || Error::failed("there is no window to go on with", "begin with `diffract view`");
+    let nothing = || Error::input("there is no window to go on with", "begin with `diffract view`");
     let path = path(LAST).ok_or_else(nothing)?;
     let text = input::read_text(&path, "the settings of a window")?;
-    let words: Vec<String> = serde_json::from_str(&text).map_err(|e| damaged(&e).at(path.display()))?;
+    let words: Vec<String> =
+        serde_json::from_str(&text).map_err(|e| damaged(&e).caused_by(e).at(path.display()))?;
     Ok(words.into_iter().map(OsString::from).collect())
 }
 
 /// Returns the error for stored settings that cannot be read.
 pub fn damaged(cause: &dyn std::fmt::Display) -> Error {
     let what = format!("the settings of the last window cannot be read ({cause})");
-    Error::failed(what, "begin with `diffract view`; the next window that is closed takes their place")
+    Error::input(what, "begin with `diffract view`; the next window that is closed takes their place")
 }

@@ -70,6 +70,6 @@ pub fn manual(arguments: &ManualArguments) -> Result<()> {
 fn pages(command: &Command, folder: &Path) -> Result<()> {
     let page = clap_mangen::Man::new(command.clone());
     let path = folder.join(page.get_filename());
-    output::write_atomically(&path, |file| page.render(file).map_err(|e| output::write_failed(&path, &e)))?;
+    output::write_atomically(&path, |file| page.render(file).map_err(|e| output::write_failed(&path, e)))?;
     command.get_subcommands().try_for_each(|below| pages(below, folder))
 }

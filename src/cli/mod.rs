@@ -42,7 +42,7 @@ mod view;
 mod view_command;
 mod write;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use clap::{Parser, Subcommand};
 use std::io::Write;
 use std::process::ExitCode;
@@ -119,9 +119,14 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             print(&remedies::in_options(&error));
-            ExitCode::from(error.exit_code())
+            ExitCode::from(exit_code(&error))
         }
     }
+}
+
+/// Returns the exit code of the process after `error`: 2 for wrong usage, 1 for everything else.
+fn exit_code(error: &Error) -> u8 {
+    if error.kind() == ErrorKind::Usage { 2 } else { 1 }
 }
 
 /// Runs a command on a large stack; windows run on the main thread.
@@ -141,11 +146,11 @@ fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T>
     let done = std::thread::scope(|scope| {
         let work = &mut work;
         let thread = std::thread::Builder::new().name("main".to_owned()).stack_size(BYTES);
-        let thread = thread.spawn_scoped(scope, move || work.take().map(|work| work())).ok()?;
+        let thread = thread.spawn_scoped(scope, move || work.take().map(|work| work())).ok()?; // no thread: see below
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     });
     let done = done.or_else(|| work.map(|work| work()));
-    done.unwrap_or_else(|| Err(Error::failed("a command did not run", "report this as a bug of diffract")))
+    done.unwrap_or_else(|| Err(Error::bug("a command did not run")))
 }
 
 fn run(arguments: Arguments) -> Result<()> {
@@ -187,9 +192,21 @@ fn validation() -> bool {
 fn check_validation(messages: &[String]) -> Result<()> {
     match messages {
         [] => Ok(()),
-        [first, ..] => Err(Error::failed(
-            format!("Vulkan validation has {} message(s), the first: {first}", messages.len()),
-            "report this as a bug of diffract",
-        )),
+        [first, ..] => Err(Error::bug(format!(
+            "Vulkan validation has {} message(s), the first: {first}",
+            messages.len()
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_usage_alone_ends_the_program_with_exit_code_2() {
+        assert_eq!(exit_code(&Error::usage("a", "b")), 2);
+        let others = [Error::input("a", "b"), Error::files("a", "b"), Error::cancelled(), Error::bug("a")];
+        assert!(others.iter().all(|error| exit_code(error) == 1));
     }
 }

@@ -110,7 +110,10 @@ mod tests {
             ("0:1000:1e-6", "too many"),
         ] {
             let error = range(text).unwrap_err();
-            assert!(error.to_string().contains(reason) && error.exit_code() == 2, "{text}: {error}");
+            assert!(
+                error.to_string().contains(reason) && error.kind() == crate::error::ErrorKind::Usage,
+                "{text}: {error}"
+            );
         }
     }
 }

@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn a_remedy_names_its_option() {
-        let error = Error::failed("too large", [Remedy::LargerTolerance, Remedy::ReferenceMethod]);
+        let error = Error::limit("too large", [Remedy::LargerTolerance, Remedy::ReferenceMethod]);
         let line = "too large; ask for a larger --tolerance, or use --method reference";
         assert_eq!(in_options(&error), line);
         assert_eq!(

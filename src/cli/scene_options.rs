@@ -46,7 +46,7 @@ pub fn of(scene: &OsStr, command: &str) -> Result<Option<Vec<OsString>>> {
         if !OF_SCENES.contains(&name.as_str()) {
             let what = format!("options: `{name}` is no option of a scene");
             return Err(
-                Error::failed(what, format!("give some of {}", OF_SCENES.join(", "))).at(scene.display())
+                Error::input(what, format!("give some of {}", OF_SCENES.join(", "))).at(scene.display())
             );
         }
         // Other commands compute less: options that they lack do not concern them.

@@ -94,7 +94,10 @@ mod tests {
         for bad in ["", "5", "..", "1..", "..5", "5..5", "6..5", "-1..5", "0..=5", "0...5", "0.5..3", "a..b"]
         {
             let e = frames(bad).unwrap_err();
-            assert!(e.exit_code() == 2 && e.to_string().contains("as in 0..24"), "{bad}: {e}");
+            assert!(
+                e.kind() == crate::error::ErrorKind::Usage && e.to_string().contains("as in 0..24"),
+                "{bad}: {e}"
+            );
         }
     }
 
@@ -112,7 +115,7 @@ mod tests {
             (options(Some(4), None, Some(4..5)), "end at 4 at most"),
         ] {
             let e = wrong.chosen().unwrap_err();
-            assert!(e.exit_code() == 2 && e.to_string().contains(said), "{e}");
+            assert!(e.kind() == crate::error::ErrorKind::Usage && e.to_string().contains(said), "{e}");
         }
     }
 }

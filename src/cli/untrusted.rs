@@ -71,7 +71,8 @@ pub const READERS: [UntrustedReader; 26] = [
 
 /// Returns the bytes as text, like [`crate::input::read_text`].
 fn text(bytes: &[u8]) -> Result<&str> {
-    std::str::from_utf8(bytes).map_err(|e| Error::failed(format!("it is not text ({e})"), "give text"))
+    std::str::from_utf8(bytes)
+        .map_err(|e| Error::input(format!("it is not text ({e})"), "give text").caused_by(e))
 }
 
 fn height_image(bytes: &[u8]) -> Result<()> {
@@ -140,7 +141,7 @@ fn kept<T: Kept>(bytes: &[u8]) -> Option<T> {
 
 fn layers(bytes: &[u8]) -> Result<()> {
     let Some(layers) = kept::<Layers>(bytes) else {
-        return Err(Error::failed("there are no layers in it", "make them"));
+        return Err(Error::input("there are no layers in it", "make them"));
     };
     // Checks the numbers from which the shader's tables are sized.
     let pairs = layers.pairs_at(layers.z_max);
@@ -151,7 +152,7 @@ fn layers(bytes: &[u8]) -> Result<()> {
 
 fn colours(bytes: &[u8]) -> Result<()> {
     let Some(table) = kept::<ColorTable>(bytes) else {
-        return Err(Error::failed("there is no colour table in it", "bake one"));
+        return Err(Error::input("there is no colour table in it", "bake one"));
     };
     // Checks the sizes of the textures, and reads outside of the table.
     for (mip, texels) in table.mips.iter().enumerate() {
@@ -170,7 +171,7 @@ fn colours(bytes: &[u8]) -> Result<()> {
 fn sweep(bytes: &[u8]) -> Result<()> {
     let rows = trade::from_csv(text(bytes)?, "f");
     if rows.is_empty() {
-        return Err(Error::failed("no row of it belongs to this sweep", "measure"));
+        return Err(Error::input("no row of it belongs to this sweep", "measure"));
     }
     let written = trade::csv(&rows)?;
     assert_eq!(trade::from_csv(&written, "f"), rows, "rows that are not read back as they are");

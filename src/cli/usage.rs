@@ -67,7 +67,7 @@ mod tests {
 
     fn wrong(line: &str) -> String {
         let e = parse(line.split(' ').map(OsString::from)).unwrap_err();
-        assert_eq!(e.exit_code(), 2, "{line}");
+        assert_eq!(e.kind(), crate::error::ErrorKind::Usage, "{line}");
         e.to_string()
     }
 

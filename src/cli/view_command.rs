@@ -74,7 +74,7 @@ pub fn write_scene(settings: &ViewSettings, scene: &Scene, path: &Path) -> Resul
     object.reflectance = has_spectrum.then(|| settings.optics.reflectance.clone());
     let text = written.to_toml(path.parent().unwrap_or(Path::new("")))?;
     output::write_atomically(path, |file| {
-        file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
+        file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, e))
     })
 }
 

@@ -23,16 +23,17 @@ pub fn without_controls(text: &str) -> String {
 /// start is one: nobody reads the result.
 pub fn printed(outcome: std::io::Result<()>) -> Result<()> {
     if closed_stdout::is_closed() {
-        return Err(Error::failed(
+        return Err(Error::files(
             "stdout is closed, so that the result is lost",
             "send it to a file or a program",
         ));
     }
     match outcome {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::failed(
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::files(
             format!("stdout cannot be written: {}", error::cause(&e)),
             "check where it goes",
-        )),
+        )
+        .caused_by(e)),
         _ => Ok(()),
     }
 }
@@ -42,7 +43,7 @@ pub fn text(path: Option<&Path>, text: &str) -> Result<()> {
     match path {
         None => stdout(text),
         Some(path) => output::write_atomically(path, |file| {
-            file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, &e))
+            file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, e))
         }),
     }
 }
@@ -61,7 +62,7 @@ impl Csv {
     /// # Errors
     /// A row with more or fewer cells than the first.
     pub fn row(&mut self, cells: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<()> {
-        self.0.write_record(cells).map_err(|e| no_csv(&e))
+        self.0.write_record(cells).map_err(no_csv)
     }
 
     /// Returns the text.
@@ -69,13 +70,14 @@ impl Csv {
     /// # Errors
     /// Never, if the cells are text.
     pub fn text(self) -> Result<String> {
-        let bytes = self.0.into_inner().map_err(|e| no_csv(&e))?;
-        String::from_utf8(bytes).map_err(|e| no_csv(&e))
+        let bytes = self.0.into_inner().map_err(no_csv)?;
+        String::from_utf8(bytes).map_err(no_csv)
     }
 }
 
-fn no_csv(e: &dyn std::fmt::Display) -> Error {
-    Error::failed(format!("the table is no CSV ({e})"), "report this as a bug of diffract")
+/// Returns the error for a table that is no CSV.
+fn no_csv(cause: impl std::error::Error + Send + Sync + 'static) -> Error {
+    Error::bug(format!("the table is no CSV ({cause})")).caused_by(cause)
 }
 
 /// Report with its origin, for JSON.
@@ -96,9 +98,8 @@ pub fn with_origin<'a>(report: &'a impl Serialize, notes: &'a Notes) -> impl Ser
 /// # Errors
 /// Never, if its numbers are finite.
 pub fn json_text(report: &impl Serialize) -> Result<String> {
-    let json = serde_json::to_string_pretty(report).map_err(|e| {
-        Error::failed(format!("the report is no JSON ({e})"), "report this as a bug of diffract")
-    })?;
+    let json = serde_json::to_string_pretty(report)
+        .map_err(|e| Error::bug(format!("the report is no JSON ({e})")).caused_by(e))?;
     Ok(json + "\n")
 }
 

@@ -104,19 +104,13 @@ impl Conformance {
     /// Never, because all cells are numbers.
     pub fn to_csv(&self) -> Result<String> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let failed = |e: &dyn std::fmt::Display| {
-            Error::failed(
-                format!("the directions cannot be written ({e})"),
-                "report this as a bug of diffract",
-            )
-        };
-        writer.write_record(COLUMNS).map_err(|e| failed(&e))?;
+        writer.write_record(COLUMNS).map_err(not_written)?;
         for row in &self.rows {
             let cells = row.numbers().map(|number| format!("{number:e}"));
-            writer.write_record(cells).map_err(|e| failed(&e))?;
+            writer.write_record(cells).map_err(not_written)?;
         }
-        let bytes = writer.into_inner().map_err(|e| failed(&e))?;
-        String::from_utf8(bytes).map_err(|e| failed(&e))
+        let bytes = writer.into_inner().map_err(not_written)?;
+        String::from_utf8(bytes).map_err(not_written)
     }
 
     /// Reads what [`Conformance::to_csv`] writes.
@@ -135,7 +129,7 @@ impl Conformance {
     pub fn answers(&self, text: &str) -> Result<Vec<DVec3>> {
         let answers = columns(text, ANSWER)?;
         if answers.len() != self.rows.len() {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("there are {} answers to {} directions", answers.len(), self.rows.len()),
                 "answer every row of conformance.csv, in its order",
             ));
@@ -245,17 +239,22 @@ fn beside_specular(light: DVec3, off: DVec2) -> DVec3 {
     tangential.extend((1.0 - tangential.length_squared()).sqrt())
 }
 
+/// Returns the error for directions that are no CSV.
+fn not_written(cause: impl std::error::Error + Send + Sync + 'static) -> Error {
+    Error::bug(format!("the directions cannot be written ({cause})")).caused_by(cause)
+}
+
 /// Returns the numbers of the columns `names` of a CSV file.
 fn columns<const N: usize>(text: &str, names: [&str; N]) -> Result<Vec<[f64; N]>> {
     let bad = |line: u64, what: String| {
-        Error::failed(
+        Error::input(
             format!("line {line}: {what}"),
             format!("give a CSV file with the columns {}", names.join(",")),
         )
     };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-    let fail = |e: csv::Error| bad(e.position().map_or(1, csv::Position::line), e.to_string());
+    let fail = |e: csv::Error| bad(e.position().map_or(1, csv::Position::line), e.to_string()).caused_by(e);
     let header = reader.headers().map_err(fail)?.clone();
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(names) {

@@ -152,15 +152,28 @@ const CONVENTIONS: [(&str, &str); 7] = [
     ("below_horizon", "0 where either direction has z <= 0."),
 ];
 
+/// Returns `value` as it stands in a description. Nothing is described as `null`, which would equal the `null` of anything else.
+fn described(value: &impl Serialize) -> Result<Value> {
+    let bug = |what: String| Error::bug(format!("a part of the description cannot be written ({what})"));
+    match serde_json::to_value(value) {
+        Ok(Value::Null) => Err(bug("it is null".to_owned())),
+        Ok(value) => Ok(value),
+        Err(e) => Err(bug(e.to_string()).caused_by(e)),
+    }
+}
+
 impl MaterialDescription {
     /// Describes `material`, the export of `field` under `settings` that `command` makes. The files are yet to be added.
+    ///
+    /// # Errors
+    /// An illuminant or a reflectance that has no description, which is a bug.
     pub fn new(
         field: &HeightField,
         settings: &ExportSettings,
         material: &ExportedMaterial,
         command: String,
-    ) -> Self {
-        Self {
+    ) -> Result<Self> {
+        Ok(Self {
             format: FORMAT.to_owned(),
             version: VERSION,
             program: notes::software().to_owned(),
@@ -173,8 +186,8 @@ impl MaterialDescription {
             surface: SurfaceFacts::new(field),
             coherence_length_um: 4.0 * settings.sigma,
             beyond: settings.beyond.name().to_owned(),
-            illuminant: serde_json::to_value(&settings.illuminant).unwrap_or_default(),
-            reflectance: serde_json::to_value(&settings.reflectance).unwrap_or_default(),
+            illuminant: described(&settings.illuminant)?,
+            reflectance: described(&settings.reflectance)?,
             theory: settings.reflectance.theory().name().to_owned(),
             scalar_theory: ScalarTheory::note(
                 field,
@@ -187,7 +200,7 @@ impl MaterialDescription {
             errors: material.conformance.errors(),
             files: BTreeMap::new(),
             description_blake3: BLANK_SUM.to_owned(),
-        }
+        })
     }
 
     /// Returns the text of `material.json`, with its check sum.
@@ -208,7 +221,7 @@ impl MaterialDescription {
         if is_sum && FileSum::new(blank.as_bytes()).blake3 == self.description_blake3 {
             return Ok(());
         }
-        Err(Error::failed(
+        Err(Error::input(
             "its check sum is not that of its text: it was changed or damaged",
             "export the material again",
         ))
@@ -219,9 +232,7 @@ impl MaterialDescription {
     /// # Errors
     /// Names what differs.
     pub fn check(&self, field: &HeightField, asked: &ExportSettings) -> Result<()> {
-        let same = |value: &Value, asked: &dyn Fn() -> serde_json::Result<Value>| {
-            asked().is_ok_and(|asked| asked == *value)
-        };
+        let (illuminant, reflectance) = (described(&asked.illuminant)?, described(&asked.reflectance)?);
         let length = 4.0 * asked.sigma;
         let differs = if self.surface != SurfaceFacts::new(field) {
             "it is of another surface, or of the same one prepared otherwise".to_owned()
@@ -232,12 +243,12 @@ impl MaterialDescription {
             )
         } else if self.beyond != asked.beyond.name() {
             format!("beyond the patch it has {}, and {} is asked for", self.beyond, asked.beyond.name())
-        } else if !same(&self.illuminant, &|| serde_json::to_value(&asked.illuminant)) {
+        } else if self.illuminant != illuminant {
             "it is of another illuminant".to_owned()
         } else if self.theory != asked.reflectance.theory().name() {
             let (has, wants) = (&self.theory, asked.reflectance.theory().name());
             format!("it is by the theory {has}, and {wants} is asked for")
-        } else if !same(&self.reflectance, &|| serde_json::to_value(&asked.reflectance)) {
+        } else if self.reflectance != reflectance {
             "it is of another material".to_owned()
         } else if self.tolerance > asked.tolerance {
             format!("it has a tolerance of {:e}, and {:e} is asked for", self.tolerance, asked.tolerance)
@@ -249,7 +260,7 @@ impl MaterialDescription {
         } else {
             return Ok(());
         };
-        Err(Error::failed(
+        Err(Error::input(
             format!("the export does not fit: {differs}"),
             "export the material for this picture",
         ))
@@ -261,11 +272,12 @@ impl MaterialDescription {
     /// Text that is no description, and another version.
     pub fn parse(text: &str) -> Result<Self> {
         let broken = |e: serde_json::Error| {
-            Error::failed(format!("it is no description of a material ({e})"), "export the material again")
+            Error::input(format!("it is no description of a material ({e})"), "export the material again")
+                .caused_by(e)
         };
         let value: Value = serde_json::from_str(text).map_err(broken)?;
         if !is_description(&value) {
-            return Err(Error::failed("it is no description of a material", "give the folder of an export"));
+            return Err(Error::input("it is no description of a material", "give the folder of an export"));
         }
         match value["version"].as_u64() {
             Some(VERSION) => {
@@ -273,7 +285,7 @@ impl MaterialDescription {
                 found.check_sum(text)?;
                 Ok(found)
             }
-            Some(other) => Err(Error::failed(
+            Some(other) => Err(Error::input(
                 format!("it has version {other} of the format, and this program reads version {VERSION}"),
                 if other > VERSION {
                     "read it with a newer program, or export the material again"
@@ -281,7 +293,7 @@ impl MaterialDescription {
                     "export the material again"
                 },
             )),
-            _ => Err(Error::failed(
+            _ => Err(Error::input(
                 "it names no version of the format that is known",
                 "export the material again",
             )),
@@ -292,4 +304,21 @@ impl MaterialDescription {
 /// True if `value` says that it describes a material, in whichever version.
 pub(super) fn is_description(value: &Value) -> bool {
     value["format"] == FORMAT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::ErrorKind;
+
+    #[test]
+    fn what_has_no_description_is_an_error() {
+        assert_eq!(described(&0.5).unwrap(), 0.5);
+        // JSON has no word for it but null.
+        assert_eq!(described(&f64::NAN).unwrap_err().kind(), ErrorKind::Bug);
+        // A key that is no text.
+        let map = BTreeMap::from([((1, 2), 3)]);
+        let error = described(&map).unwrap_err();
+        assert!(error.kind() == ErrorKind::Bug && std::error::Error::source(&error).is_some(), "{error}");
+    }
 }

@@ -76,10 +76,11 @@ fn draft_beside(folder: &Path) -> Result<tempfile::TempDir> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
     builder.tempdir_in(parent).map_err(|e| {
-        Error::failed(
+        Error::files(
             format!("cannot create a folder in {}: {}", parent.display(), error::cause(&e)),
             "create that folder, make it writable, or choose another one",
         )
+        .caused_by(e)
         .at(folder.display())
     })
 }
@@ -109,7 +110,7 @@ pub fn write(
     add(SHADER_ES, shader::write(header, ShaderLanguage::GlslEs).into_bytes())?;
     add(SHADER_WGSL, translation::write_wgsl(header)?.into_bytes())?;
     add(SHADER_HLSL, translation::write_hlsl(header)?.into_bytes())?;
-    let text = description.to_text().map_err(|e| not_written(&e))?;
+    let text = description.to_text().map_err(not_written)?;
     put(&draft.path().join(MATERIAL), text.as_bytes(), folder)?;
     give_name(draft, folder)
 }
@@ -119,12 +120,12 @@ fn put(path: &Path, bytes: &[u8], folder: &Path) -> Result<()> {
         std::io::Write::write_all(&mut file, bytes)?;
         file.sync_all()
     });
-    written.map_err(|e| write_failed(folder, &e))
+    written.map_err(|e| write_failed(folder, e))
 }
 
 /// Moves the finished `draft` to `folder`. A former export is moved away first, and back if the new one cannot take its place.
 fn give_name(draft: tempfile::TempDir, folder: &Path) -> Result<()> {
-    let failed = |e: std::io::Error| write_failed(folder, &e);
+    let failed = |e: std::io::Error| write_failed(folder, e);
     if folder.exists() {
         let former = draft_beside(folder)?;
         let away = former.path().join("former");
@@ -136,20 +137,20 @@ fn give_name(draft: tempfile::TempDir, folder: &Path) -> Result<()> {
     } else {
         fs::rename(draft.path(), folder).map_err(failed)?;
     }
-    // The folder has another name now, which is not to be removed.
+    // The folder has another name now, which is not to be removed; its former path is of no use.
     let _ = draft.keep();
     Ok(())
 }
 
 fn json(value: &impl serde::Serialize) -> Result<Vec<u8>> {
     let text = serde_json::to_vec_pretty(value);
-    let mut text = text.map_err(|e| not_written(&e))?;
+    let mut text = text.map_err(not_written)?;
     text.push(b'\n');
     Ok(text)
 }
 
-fn not_written(e: &serde_json::Error) -> Error {
-    Error::failed(format!("the description cannot be written ({e})"), "report this as a bug of diffract")
+fn not_written(e: serde_json::Error) -> Error {
+    Error::bug(format!("the description cannot be written ({e})")).caused_by(e)
 }
 
 /// Reads an export.
@@ -177,7 +178,7 @@ impl ExportReader {
     /// A file that is missing, truncated or damaged.
     pub fn file(&self, name: &str) -> Result<Vec<u8>> {
         let path = self.folder.join(name);
-        let refused = |what: String| Error::failed(what, "export the material again").at(path.display());
+        let refused = |what: String| Error::input(what, "export the material again").at(path.display());
         let expected = self.description.files.get(name);
         let expected = expected.ok_or_else(|| refused("the description does not name it".to_owned()))?;
         let file = input::open(&path, "all files of an export", u64::MAX)?;
@@ -202,9 +203,9 @@ impl ExportReader {
     /// Same as [`ExportReader::file`]; fails for numbers that no table has.
     pub fn table(&self) -> Result<ColorTable> {
         let path = self.folder.join(TABLE);
-        let refused = |what: String| Error::failed(what, "export the material again").at(path.display());
+        let refused = |what: String| Error::input(what, "export the material again").at(path.display());
         let header: TableHeader = serde_json::from_slice(&self.file(TABLE)?)
-            .map_err(|e| refused(format!("it is no description of a table ({e})")))?;
+            .map_err(|e| refused(format!("it is no description of a table ({e})")).caused_by(e))?;
         let texels = self.file(TEXELS)?;
         let levels = ktx2::read(&texels, &header).map_err(|e| e.at(self.folder.join(TEXELS).display()))?;
         ColorTable::from_parts(header, levels)
@@ -218,7 +219,9 @@ impl ExportReader {
     pub fn conformance(&self) -> Result<Conformance> {
         let path = self.folder.join(DIRECTIONS);
         let text = String::from_utf8(self.file(DIRECTIONS)?).map_err(|e| {
-            Error::failed(format!("it is not text ({e})"), "export the material again").at(path.display())
+            Error::input(format!("it is not text ({e})"), "export the material again")
+                .caused_by(e)
+                .at(path.display())
         })?;
         Conformance::from_csv(&text).map_err(|e| e.at(path.display()))
     }
@@ -246,7 +249,7 @@ mod tests {
         let (conformance, table) = small_table();
         let material = ExportedMaterial { table, conformance };
         let mut description =
-            MaterialDescription::new(&small_field(), &small_settings(), &material, String::new());
+            MaterialDescription::new(&small_field(), &small_settings(), &material, String::new()).unwrap();
         write(folder, &material, &mut description)
     }
 

@@ -149,7 +149,7 @@ fn words(bytes: &mut Vec<u8>, values: &[u32]) {
 /// # Errors
 /// A container that is damaged, of another format, or not of the size that `header` has.
 pub fn read(bytes: &[u8], header: &TableHeader) -> Result<Vec<Vec<f16>>> {
-    let refused = |what: String| Error::failed(what, "export the material again");
+    let refused = |what: String| Error::input(what, "export the material again");
     let reader = Reader::new(bytes).map_err(|e| refused(format!("it is no KTX2 file ({e})")))?;
     let held = reader.header();
     let grid = &header.grid;

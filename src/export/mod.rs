@@ -137,7 +137,7 @@ fn footprint_within(most: u64, series: &OrderSeries, settings: TableSettings) ->
         let variance = (settings.finest.powi(2) + coherence_blur) * growth - coherence_blur;
         settings.finest = variance.max(0.0).sqrt();
         if settings.finest > LARGEST_FOOTPRINT {
-            return Err(Error::failed(
+            return Err(Error::limit(
                 format!("no table of this surface has as few as {most} bytes"),
                 // Texels are as many as the tolerance is small.
                 [

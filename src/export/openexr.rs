@@ -29,12 +29,10 @@ pub fn write(table: &ColorTable) -> Result<Vec<u8>> {
     let attributes = ImageAttributes::new(IntegerBounds::from_dimensions((side, side)));
     let image = Image::from_layers(attributes, parts);
     let mut file = Cursor::new(Vec::new());
-    image.write().to_buffered(&mut file).map_err(|e| {
-        Error::failed(
-            format!("the texels cannot be written as OpenEXR ({e})"),
-            "report this as a bug of diffract",
-        )
-    })?;
+    image
+        .write()
+        .to_buffered(&mut file)
+        .map_err(|e| Error::bug(format!("the texels cannot be written as OpenEXR ({e})")).caused_by(e))?;
     Ok(file.into_inner())
 }
 

@@ -63,6 +63,10 @@ pub struct PageBar {
     pub share: f64,
 }
 
+fn no_words(e: serde_json::Error) -> Error {
+    Error::bug(format!("the words of the page are no JSON ({e})")).caused_by(e)
+}
+
 /// Returns the page of `material`, which shows it on `mesh`, too, if there is one. `relief` is a picture of the heights, a PNG in base64.
 ///
 /// # Errors
@@ -75,7 +79,7 @@ pub fn write(
 ) -> Result<String> {
     let header = &material.table.header;
     // Inside of a script element, a tag would end it.
-    let about = serde_json::to_string(words).unwrap_or_default().replace('<', "\\u003c");
+    let about = serde_json::to_string(words).map_err(no_words)?.replace('<', "\\u003c");
     let display: String =
         DISPLAY.lines().filter(|line| !line.starts_with("#include")).fold(String::new(), |mut text, line| {
             text.push_str(line);
@@ -103,7 +107,7 @@ pub fn write(
         ],
     );
     if page.len() > MOST_PAGE_BYTES {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!("the page takes {:.1} MB, and 10 MB is the most", page.len() as f64 / 1e6),
             "allow fewer bytes of texels",
         ));

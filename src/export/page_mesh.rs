@@ -34,7 +34,7 @@ impl PageMesh {
             Grooves::Along => 0.0,
             Grooves::Turned(degrees) => degrees.to_radians() as f32,
             Grooves::Radial | Grooves::Map(_) => {
-                return Err(Error::failed(
+                return Err(Error::input(
                     "a page has no texture coordinates, from which this mesh takes the direction of its grooves",
                     "give grooves an angle in the scene file, or name the mesh itself",
                 ));
@@ -66,7 +66,7 @@ impl PageMesh {
         // Two digits, rounded down.
         let fitting = (self.triangles as u128 * MOST_PAGE_MESH as u128 / bytes as u128) as usize;
         let unit = 10usize.pow(fitting.max(10).ilog10() - 1);
-        Err(Error::failed(
+        Err(Error::limit(
             format!(
                 "the mesh of {} triangles takes {:.1} MB of the page, and {} MB is the most",
                 self.triangles,

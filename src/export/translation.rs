@@ -33,7 +33,7 @@ const MAIN: &str = "void main() {}\n";
 /// Never, because all tables give the same program but for numbers.
 pub fn write_wgsl(header: &TableHeader) -> Result<String> {
     let (module, info) = parsed(header)?;
-    let text = wgsl::write_string(&module, &info, wgsl::WriterFlags::empty()).map_err(|e| failed(&e))?;
+    let text = wgsl::write_string(&module, &info, wgsl::WriterFlags::empty()).map_err(failed)?;
     let about = concat!(
         "// Diffraction of a surface, translated from material.glsl of diffract ",
         env!("CARGO_PKG_VERSION"),
@@ -52,7 +52,7 @@ pub fn write_hlsl(header: &TableHeader) -> Result<String> {
     let options = hlsl::Options { fake_missing_bindings: true, ..hlsl::Options::default() };
     let pipeline = hlsl::PipelineOptions::default();
     let mut text = String::new();
-    hlsl::Writer::new(&mut text, &options, &pipeline).write(&module, &info, None).map_err(|e| failed(&e))?;
+    hlsl::Writer::new(&mut text, &options, &pipeline).write(&module, &info, None).map_err(failed)?;
     let about = concat!(
         "// Diffraction of a surface, translated from material.glsl of diffract ",
         env!("CARGO_PKG_VERSION"),
@@ -69,24 +69,26 @@ fn parsed(header: &TableHeader) -> Result<(Module, ModuleInfo)> {
         text = text.replace(combined, apart);
     }
     let options = glsl::Options::from(ShaderStage::Fragment);
-    let mut module = glsl::Frontend::default().parse(&options, &text).map_err(|e| failed(&e))?;
+    let mut module = glsl::Frontend::default().parse(&options, &text).map_err(failed)?;
     module.entry_points.clear();
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::default());
-    let info = validator.validate(&module).map_err(|e| failed(&e.into_inner()))?;
+    let info = validator.validate(&module).map_err(|e| failed(e.into_inner()))?;
     Ok((module, info))
 }
 
-fn failed(reason: &dyn std::fmt::Display) -> Error {
-    Error::failed(
-        format!("the reading function cannot be translated ({reason})"),
-        "report this as a bug of diffract",
-    )
+/// Returns the error for a reading function that cannot be translated.
+fn failed(cause: impl std::error::Error + Send + Sync + 'static) -> Error {
+    not_translated(&cause).caused_by(cause)
+}
+
+fn not_translated(reason: &dyn std::fmt::Display) -> Error {
+    Error::bug(format!("the reading function cannot be translated ({reason})"))
 }
 
 /// Cuts off the empty main function, which is the last one.
 fn without_main(text: &str) -> Result<&str> {
     let end = ["\nfn main", "\nvoid main"].iter().find_map(|begin| text.rfind(begin));
-    end.map(|end| &text[..end]).ok_or_else(|| failed(&"it has no end"))
+    end.map(|end| &text[..end]).ok_or_else(|| not_translated(&"it has no end"))
 }
 
 /// Returns naga's HLSL `text` without what only a program of wgpu has, or only some compilers take.

@@ -161,23 +161,24 @@ impl Figure {
     /// # Errors
     /// Those of [`Self::svg`]; a picture that is too large.
     pub fn png(&self, style: &FigureStyle, notes: &Notes) -> Result<Vec<u8>> {
-        let bug = |what: String| Error::failed(what, "report this as a bug of diffract");
+        let bug = |what: String| Error::bug(what);
         let (svg, millimetres) = self.drawn(style, notes)?;
         let tree = usvg::Tree::from_str(&svg, &text::options())
-            .map_err(|e| bug(format!("the figure is no sound SVG ({e})")))?;
+            .map_err(|e| bug(format!("the figure is no sound SVG ({e})")).caused_by(e))?;
         let size = tree.size();
         let width = (millimetres / MM_PER_INCH * style.dpi).round();
         let scale = width as f32 / size.width();
         // Whole pixels alone: one that the page covers in part would be dark.
         let height = (size.height() * scale).floor();
         let mut pixels = tiny_skia::Pixmap::new(width as u32, height as u32).ok_or_else(|| {
-            Error::failed(
+            Error::limit(
                 format!("a figure of {width}x{height} pixels is too large"),
                 "make it smaller, or ask for fewer pixels per inch or fewer panels",
             )
         })?;
         resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
-        encoded(&pixels, style.dpi, notes).map_err(|e| bug(format!("the figure is no PNG ({e})")))
+        encoded(&pixels, style.dpi, notes)
+            .map_err(|e| bug(format!("the figure is no PNG ({e})")).caused_by(e))
     }
 
     /// Writes the figure in this `style` and with `notes` to `path`, whole or not at all, in the format of its extension: .svg or .png.
@@ -190,7 +191,7 @@ impl Figure {
             FigureFormat::Png => self.png(style, notes)?,
         };
         output::write_atomically(path, |file| {
-            file.write_all(&bytes).map_err(|e| output::write_failed(path, &e))
+            file.write_all(&bytes).map_err(|e| output::write_failed(path, e))
         })
     }
 }

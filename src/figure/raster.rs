@@ -100,7 +100,8 @@ impl Raster {
         image::codecs::png::PngEncoder::new(&mut png)
             .write_image(bytes, columns as u32, rows as u32, ExtendedColorType::Rgba8)
             .map_err(|e| {
-                Error::failed(format!("the raster of the figure is no PNG ({e})"), "ask for a smaller one")
+                Error::limit(format!("the raster of the figure is no PNG ({e})"), "ask for a smaller one")
+                    .caused_by(e)
             })?;
         Ok(BASE64_STANDARD.encode(&png))
     }

@@ -101,7 +101,7 @@ mod tests {
         }
         let usual = FigureStyle::default().page(1000.0).unwrap();
         assert!((usual.width - 1000.0).abs() < 1e-9);
-        assert_eq!(style(20.0, 12.0).page(1e3).unwrap_err().exit_code(), 2);
+        assert_eq!(style(20.0, 12.0).page(1e3).unwrap_err().kind(), crate::error::ErrorKind::Usage);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The SVG elements of figures. Lengths are pixels, y grows downward.
+//! The SVG elements of figures. Lengths are pixels, y grows downward. Writing to a `String` cannot fail.
 
 use super::palette::{Color, PAPER, QUIET, Theme};
 use super::text::Weight;

@@ -93,8 +93,8 @@ fn files_have_the_format_of_their_names() {
         figure
             .save(&folder.path().join("f.pdf"), &FigureStyle::default(), &Notes::default())
             .unwrap_err()
-            .exit_code(),
-        2
+            .kind(),
+        crate::error::ErrorKind::Usage
     );
 }
 

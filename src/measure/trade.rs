@@ -226,13 +226,15 @@ pub fn wanted(rows: &[Measurement], error: Option<f64>, fps: Option<f64>) -> Str
 /// # Errors
 /// Fails only on a bug.
 pub fn csv(rows: &[Measurement]) -> Result<String> {
-    let bug = |e: &dyn std::fmt::Display| {
-        Error::failed(format!("the table is no CSV ({e})"), "report this as a bug of diffract")
-    };
     let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|e| bug(&e))?;
-    let bytes = writer.into_inner().map_err(|e| bug(&e))?;
-    String::from_utf8(bytes).map_err(|e| bug(&e))
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(no_csv)?;
+    let bytes = writer.into_inner().map_err(no_csv)?;
+    String::from_utf8(bytes).map_err(no_csv)
+}
+
+/// Returns the error for measurements that are no CSV.
+fn no_csv(cause: impl std::error::Error + Send + Sync + 'static) -> Error {
+    Error::bug(format!("the table is no CSV ({cause})")).caused_by(cause)
 }
 
 /// Reads the measurements of `frame` from a CSV of [`csv()`]. Unreadable lines are skipped.
@@ -240,7 +242,7 @@ pub fn from_csv(text: &str, frame: &str) -> Vec<Measurement> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     reader
         .deserialize()
-        .filter_map(|row: std::result::Result<Measurement, _>| row.ok())
+        .filter_map(|row: std::result::Result<Measurement, _>| row.ok()) // damaged, or of an earlier version: measured again
         .filter(|row| row.frame == frame && row.is_sound())
         .collect()
 }

@@ -110,19 +110,19 @@ impl Material {
         check_columns(text)?;
         let of_three = SpectralTable::<2>::parse(text);
         let table = of_three.or_else(|e| {
-            let of_two = SpectralTable::<1>::parse(text).map_err(|_| e)?;
+            let of_two = SpectralTable::<1>::parse(text).map_err(|_| e)?; // neither three columns nor two
             Ok::<_, Error>(of_two.map(|[n]| [n, 0.0]))
         })?;
         let [first, last] = table.ends();
         if first > NM_PER_UM * SHORTEST || last < NM_PER_UM * LONGEST {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("the refractive index is given from {first} to {last} nm"),
                 "give it from 380 to 780 nm",
             ));
         }
         let sane = |[n, k]: [f64; 2]| n > 0.0 && n <= LARGEST_INDEX && (0.0..=LARGEST_INDEX).contains(&k);
         if !table.all(sane) {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "a refractive index is not within 0 to 100, or an extinction coefficient is negative",
                 "give n above 0 and k of at least 0, as in n + ik",
             ));
@@ -199,7 +199,7 @@ fn check_columns(text: &str) -> Result<()> {
     if is_at(1, "n") && is_at(2, "k") && is_at(0, "wavelength") {
         return Ok(());
     }
-    Err(Error::failed(
+    Err(Error::input(
         format!("line 1: the columns are {}", names.join(", ")),
         "write the columns wavelength (nm), n and k, in this order",
     ))

@@ -243,7 +243,7 @@ impl Repeats {
             return Ok(());
         }
         let [n, m] = self.copies;
-        Err(Error::failed(
+        Err(Error::limit(
             format!(
                 "the colour of one direction would take {count:.0} wavelengths through {n} × {m} repeats, the limit is \
                  {MAX_WAVELENGTHS}; single wavelengths have none"

@@ -137,7 +137,7 @@ impl Reference {
         if count <= MAX_NODES as f64 {
             return Ok(count as usize);
         }
-        Err(Error::failed(
+        Err(Error::limit(
             format!("the colour of one direction would take {count:.0} wavelengths at this coherence"),
             "ask for single wavelengths, or for a shorter coherence",
         ))

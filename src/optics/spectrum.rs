@@ -53,13 +53,14 @@ impl<const N: usize> SpectralTable<N> {
             .from_reader(text.as_bytes());
         for (index, record) in reader.records().enumerate() {
             let refuse = |line: u64, what: &str| {
-                Error::failed(
+                Error::input(
                     format!("line {line}: {what}"),
                     format!("write wavelength in nm and {N} value(s) a line, increasing"),
                 )
             };
-            let record =
-                record.map_err(|e| refuse(e.position().map_or(1, csv::Position::line), &e.to_string()))?;
+            let record = record.map_err(|e| {
+                refuse(e.position().map_or(1, csv::Position::line), &e.to_string()).caused_by(e)
+            })?;
             let cells: Vec<&str> = record.iter().collect();
             // A line of names has no number; a line with some numbers is a damaged row.
             if index == 0 && cells.iter().all(|cell| cell.parse::<f64>().is_err())
@@ -83,7 +84,7 @@ impl<const N: usize> SpectralTable<N> {
             table.values.push(values);
         }
         if table.wavelengths.len() < 2 {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "the spectrum has fewer than two rows",
                 "give at least two wavelengths",
             ));
@@ -163,10 +164,13 @@ impl SpectralTable<1> {
     }
 }
 
-/// Parses a built-in table; `assets/spectra` is checked by this module's tests.
+/// Parses a built-in table.
+#[expect(
+    clippy::expect_used,
+    reason = "the text is a part of the program, and a test of this module parses all of them"
+)]
 fn built_in<const N: usize>(text: &str) -> SpectralTable<N> {
-    SpectralTable::parse(text)
-        .unwrap_or(SpectralTable { wavelengths: vec![0.0, 1.0], values: vec![[0.0; N]; 2] })
+    SpectralTable::parse(text).expect("a built-in table is sound")
 }
 
 /// Returns x̄, ȳ, z̄ of the CIE 1931 2° standard observer at `wavelength` \[nm\].
@@ -305,12 +309,12 @@ impl Illuminant {
     pub fn from_text(text: &str) -> Result<Self> {
         let table = SpectralTable::<1>::parse(text)?;
         if table.values.iter().any(|v| v[0] < 0.0) {
-            return Err(Error::failed("an illuminant's power is negative", "give powers of at least 0"));
+            return Err(Error::input("an illuminant's power is negative", "give powers of at least 0"));
         }
         let light = Self::Table(table.resolved_to(RESOLUTION).into());
         let luminance = light.luminance();
         if luminance == f64::INFINITY {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "the illuminant's powers are too large for a number",
                 "scale them down, only their ratios count",
             ));
@@ -318,7 +322,7 @@ impl Illuminant {
         if luminance > 0.0 {
             Ok(light)
         } else {
-            Err(Error::failed("the illuminant has no light in 380–780 nm", "give powers in that range"))
+            Err(Error::input("the illuminant has no light in 380–780 nm", "give powers in that range"))
         }
     }
 
@@ -376,6 +380,12 @@ mod tests {
         let d65: SpectralTable<1> =
             SpectralTable::parse(include_str!("../../assets/spectra/d65.csv")).unwrap();
         assert_eq!((d65.wavelengths[0], d65.wavelengths[80]), (380.0, 780.0));
+        for text in
+            [include_str!("../../assets/spectra/d50.csv"), include_str!("../../assets/spectra/led-b3.csv")]
+        {
+            let table = SpectralTable::<1>::parse(text).unwrap();
+            assert!(table.all(|[power]| power >= 0.0) && table.values.iter().any(|[power]| *power > 0.0));
+        }
     }
 
     #[test]

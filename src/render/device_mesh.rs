@@ -24,7 +24,7 @@ impl DeviceMesh {
     /// Fails if the device is out of memory.
     pub fn new(device: &Arc<Device>, mesh: &Mesh) -> Result<Self> {
         let count = u32::try_from(mesh.indices().len())
-            .map_err(|_| Error::failed("the mesh has too many triangles", "simplify it first"))?;
+            .map_err(|e| Error::limit("the mesh has too many triangles", "simplify it first").caused_by(e))?;
         Ok(Self {
             vertices: upload::buffer(
                 device,

@@ -149,10 +149,7 @@ impl QueryPass {
     /// Same as [`Evaluator::cosine_weighted`].
     pub fn ask(&mut self, source: &BoundSource, queries: &[Query], footprint: f64) -> Result<Vec<DVec3>> {
         if !source.spectral && queries.iter().any(|query| query.wavelength.is_some()) {
-            return Err(Error::failed(
-                "a source of colours alone is asked for a single wavelength",
-                "report this as a bug of diffract",
-            ));
+            return Err(Error::bug("a source of colours alone is asked for a single wavelength"));
         }
         self.submit(source, queries, footprint)
     }

@@ -158,7 +158,7 @@ impl Renderer {
         settings: RendererSettings,
     ) -> Result<Self> {
         if objects.is_empty() {
-            return Err(Error::failed("there is no object", "report this as a bug of diffract"));
+            return Err(Error::bug("there is no object"));
         }
         let bind = |of: &'_ ObjectSource| of.source.bind(device, &of.optics);
         let mut sources = Vec::with_capacity(objects.len());
@@ -321,7 +321,6 @@ impl Renderer {
         let frame = &self.objects[0].frame.descriptors;
         let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());
         let display = Display::new((&self.gbuffer, target), &self.display, background, frame, block_input);
-        let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
         match self.shows {
             Content::Nothing | Content::PictureArea => return Ok(false),
             Content::Sample => self.commands.run(|record| {
@@ -330,15 +329,18 @@ impl Renderer {
                 record_display(&all, target, |all| display.sample(all, shown));
                 Ok(())
             })?,
-            Content::Mean => self.commands.run(|record| {
-                let all = record.within(size, 0..size[1]);
-                if let Some((accumulation, summed)) = sum {
+            Content::Mean => {
+                let sum = self.accumulation.as_ref().zip(self.summed.as_ref());
+                let (accumulation, summed) =
+                    sum.ok_or_else(|| Error::bug("a mean is displayed that has no samples"))?;
+                self.commands.run(|record| {
+                    let all = record.within(size, 0..size[1]);
                     record_display(&all, target, |all| {
                         display.mean(all, accumulation, summed.samples, shown);
                     });
-                }
-                Ok(())
-            })?,
+                    Ok(())
+                })?
+            }
         }
         Ok(true)
     }
@@ -363,6 +365,9 @@ impl Renderer {
         let is_stale = first && !self.gbuffer_is_current();
         let (gbuffer, target) = (&self.gbuffer, &self.target);
         let accumulation = &self.accumulation;
+        if matches!(finish, FinalStep::Add { .. }) && accumulation.is_none() {
+            return Err(Error::bug("there is no sum to which a sample can be added"));
+        }
         let objects = &self.objects;
         let frame = &self.objects[0].frame.descriptors;
         let (background, block_input) = (self.background.as_ref(), self.block_input.as_ref());

@@ -54,9 +54,7 @@ fn texel_size(format: vk::Format) -> Result<u64> {
     match format {
         vk::Format::R32G32B32A32_SFLOAT => Ok(16),
         vk::Format::R8G8B8A8_UNORM | DEPTH | DEPTH_AND_OBJECT => Ok(4),
-        other => {
-            Err(Error::failed(format!("{other:?} cannot be read back"), "report this as a bug of diffract"))
-        }
+        other => Err(Error::bug(format!("{other:?} cannot be read back"))),
     }
 }
 

@@ -54,7 +54,7 @@ impl Placement {
         if (-40.0..=40.0).contains(&exposure) {
             return Ok(Self { rotation, exposure });
         }
-        Err(Error::failed(
+        Err(Error::input(
             "the exposure of the surroundings is not within -40 to 40 stops",
             "0 is a good start",
         ))
@@ -355,7 +355,7 @@ impl EnvironmentMap {
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let [width, height] = PICTURE.size(bytes)?;
         if height == 0 || u64::from(width) != 2 * u64::from(height) {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("the surroundings have {width} x {height} pixels"),
                 "give an equirectangular picture, twice as wide as high",
             ));
@@ -372,7 +372,7 @@ impl EnvironmentMap {
         let changed = read().zip(&colors).filter(|(read, used)| read != *used).count();
         let map = EnvironmentMap { bounded: changed, ..averaged(width as usize, height as usize, colors) };
         if map.radiance.iter().all(|c| *c == Vec3::ZERO) {
-            return Err(Error::failed("the surroundings are black", "give a picture that holds light"));
+            return Err(Error::input("the surroundings are black", "give a picture that holds light"));
         }
         Ok(map)
     }

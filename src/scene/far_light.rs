@@ -238,7 +238,7 @@ mod tests {
             "disc:5deg",
             ":30,90",
         ] {
-            assert_eq!(FarLight::parse(text).unwrap_err().exit_code(), 2, "{text}");
+            assert_eq!(FarLight::parse(text).unwrap_err().kind(), crate::error::ErrorKind::Usage, "{text}");
         }
     }
 }

@@ -341,7 +341,7 @@ mod tests {
             "rectangle:1x2:0,0,1,4:0,0,0:1,1,1",
             "rectangle:1x2:0,0,1,W",
         ] {
-            assert_eq!(Lamp::parse(wrong).unwrap_err().exit_code(), 2, "{wrong}");
+            assert_eq!(Lamp::parse(wrong).unwrap_err().kind(), crate::error::ErrorKind::Usage, "{wrong}");
         }
     }
 

@@ -104,7 +104,7 @@ fn illuminant(name: &str, folder: &Path, light: &str) -> Result<Illuminant> {
     let file = folder.join(name);
     let illuminant = Illuminant::from_name_or_file(&file)?;
     if file.to_str().is_none() {
-        return Err(Error::failed(format!("the name {} is not UTF-8", file.display()), "rename the file"));
+        return Err(Error::input(format!("the name {} is not UTF-8", file.display()), "rename the file"));
     }
     Ok(illuminant)
 }

@@ -69,7 +69,7 @@ impl Mesh {
         let step = |done| task.report("building the mesh", done, 4);
         step(0)?;
         if triangles.len() > MAX_TRIANGLES {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("the mesh has {} triangles, more than {MAX_TRIANGLES}", triangles.len()),
                 "simplify it first",
             ));
@@ -79,7 +79,7 @@ impl Mesh {
         }
         triangles.retain(has_area);
         if triangles.is_empty() {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "the mesh has no triangle with an area",
                 "give it at least one real face",
             ));
@@ -128,7 +128,7 @@ impl Mesh {
         if self.vertices.iter().all(inside) && self.bounds.radius > 0.0 {
             return Ok(self);
         }
-        Err(Error::failed(
+        Err(Error::input(
             format!("the mesh stands beyond {MAX_COORDINATE:e}, or all of it in one place"),
             "give another place or size",
         ))
@@ -177,7 +177,7 @@ impl Bounds {
 fn check(corner: &Corner) -> Result<()> {
     let sane = |values: &[f32]| values.iter().all(|v| v.abs() <= MAX_COORDINATE);
     let wrong = |what: &str, values: &[f32]| {
-        Error::failed(
+        Error::input(
             format!("the {what} {values:?} is not finite or beyond {MAX_COORDINATE:e}"),
             "repair or rescale the mesh",
         )

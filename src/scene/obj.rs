@@ -64,7 +64,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Mesh> {
 fn parse(bytes: &[u8], part: Option<&str>, task: &Task) -> Result<Mesh> {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(Error::failed("the file is empty", "export the mesh as Wavefront OBJ again"));
+        return Err(Error::input("the file is empty", "export the mesh as Wavefront OBJ again"));
     }
     if bytes.contains(&0) {
         return Err(not_an_obj());
@@ -92,7 +92,7 @@ fn models(geometry: &str, task: &Task) -> Result<Vec<tobj::Model>> {
     let read = tobj::load_obj_buf(&mut BufReader::new(text), &options, no_materials);
     task.check()?;
     let (models, _) =
-        read.map_err(|e| Error::failed(e.to_string(), "export the mesh as Wavefront OBJ again"))?;
+        read.map_err(|e| Error::input(e.to_string(), "export the mesh as Wavefront OBJ again").caused_by(e))?;
     Ok(models)
 }
 
@@ -127,13 +127,15 @@ fn read(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     // The file may grow while it is read.
     file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| {
-        Error::failed(format!("it cannot be read: {}", error::cause(&e)), "check the disk").at(path.display())
+        Error::files(format!("it cannot be read: {}", error::cause(&e)), "check the disk")
+            .caused_by(e)
+            .at(path.display())
     })?;
     Ok(bytes)
 }
 
 fn not_an_obj() -> Error {
-    Error::failed("this is not a Wavefront OBJ", "export the mesh as OBJ; other formats are not read")
+    Error::input("this is not a Wavefront OBJ", "export the mesh as OBJ; other formats are not read")
 }
 
 /// Calls `act` with every line of `text`; errors name the line. Lines end in \n, \r\n or \r. A backslash at the end joins the next line, except
@@ -260,7 +262,7 @@ impl Parts {
         } else {
             format!("give the name of an object, a group or a material: {}", known.join(", "))
         };
-        Err(Error::failed(format!("no face belongs to the part `{wanted}`"), remedy))
+        Err(Error::input(format!("no face belongs to the part `{wanted}`"), remedy))
     }
 }
 
@@ -288,7 +290,7 @@ impl Survey {
             return Err(not_an_obj());
         }
         if survey.triangles == 0 {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "the OBJ has no faces",
                 "export it with faces; a point cloud has no surface",
             ));
@@ -342,7 +344,7 @@ impl Survey {
         // The corners of a face are counted before they are listed: a list takes eight times the text.
         let corners = line.split_whitespace().skip(1).count();
         if corners > MAX_CORNERS && line.split_whitespace().next() == Some("f") {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("a face has {corners} corners, more than {MAX_CORNERS}"),
                 "cut large faces into triangles before exporting",
             ));
@@ -377,18 +379,18 @@ impl Survey {
         let checked = if kind == 0 && words.len() == 4 { 4 } else { least };
         for word in words.iter().take(checked) {
             if !word.parse::<f32>().is_ok_and(f32::is_finite) {
-                return Err(Error::failed(
+                return Err(Error::input(
                     format!("{} is not a finite number", quoted(word)),
                     "repair the line",
                 ));
             }
         }
         if checked == 4 && words[3].parse() == Ok(0f32) {
-            return Err(Error::failed("the weight of a position is 0", "repair the line"));
+            return Err(Error::input("the weight of a position is 0", "repair the line"));
         }
         if words.len() < least {
             let what = format!("\"{}\" needs {least} numbers and has {}", TAGS[kind], words.len());
-            return Err(Error::failed(what, "the file may be cut short; export it again"));
+            return Err(Error::input(what, "the file may be cut short; export it again"));
         }
         self.counts[kind] += 1;
         Ok(())
@@ -401,11 +403,11 @@ impl Survey {
         }
         if corners < 3 {
             let what = format!("a face needs 3 corners and has {corners}");
-            return Err(Error::failed(what, "the file may be cut short; export it again"));
+            return Err(Error::input(what, "the file may be cut short; export it again"));
         }
         self.triangles += corners - 2;
         if self.triangles > MAX_TRIANGLES {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("more than {MAX_TRIANGLES} triangles"),
                 "simplify the mesh first",
             ));
@@ -416,7 +418,7 @@ impl Survey {
     /// Reads one of `v`, `v/vt`, `v//vn`, `v/vt/vn`, counted from 1, or back from the latest with −1.
     fn corner(&mut self, number: usize, word: &str) -> Result<()> {
         let malformed = || {
-            Error::failed(
+            Error::input(
                 format!("{} is not a corner of a face", quoted(word)),
                 "write it as v, v/vt, v//vn or v/vt/vn",
             )
@@ -452,7 +454,7 @@ impl Survey {
 
 fn no_such(index: i64, kind: usize, count: usize) -> Error {
     let what = format!("a face asks for \"{}\" number {index} of {count}", TAGS[kind]);
-    Error::failed(what, "count from 1, or back from -1; the file may be cut short")
+    Error::input(what, "count from 1, or back from -1; the file may be cut short")
 }
 
 /// Corners between two reports of progress: some milliseconds.

@@ -166,7 +166,7 @@ pub(super) fn check_colors(channels: impl IntoIterator<Item = f64>) -> Result<()
     if channels.into_iter().all(|c| (0.0..=1.0).contains(&c)) {
         return Ok(());
     }
-    Err(Error::failed("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"))
+    Err(Error::input("a colour is not within 0 to 1", "give linear sRGB from 0 to 1"))
 }
 
 /// Source of a mesh.
@@ -204,7 +204,7 @@ pub(super) fn reflectance(
         return match film {
             None => Ok(None),
             Some(_) => {
-                Err(Error::failed("a film needs a material below it", "add `material`, as in \"glass\""))
+                Err(Error::input("a film needs a material below it", "add `material`, as in \"glass\""))
             }
         };
     };
@@ -236,7 +236,7 @@ pub(super) fn open_mesh(source: &MeshSource, task: &Task) -> Result<Mesh> {
     };
     match part {
         None => Ok(built_in),
-        Some(part) => Err(Error::failed(
+        Some(part) => Err(Error::input(
             format!("the mesh {} has no part `{part}`", name.display()),
             "leave `part` away: files alone have parts",
         )),

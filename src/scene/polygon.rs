@@ -48,7 +48,7 @@ impl PolygonCutter {
             return Ok(&self.triangles);
         }
         if corners.len() > MAX_CORNERS {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("a concave face has {} corners, more than {MAX_CORNERS}", corners.len()),
                 "cut large faces into triangles before exporting",
             ));
@@ -57,7 +57,7 @@ impl PolygonCutter {
             self.work += corners.len() * corners.len();
         }
         if self.work > MOST_WORK {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!(
                     "many concave faces of up to {} corners take too long",
                     corners.len().max(MANY_CORNERS)

@@ -40,7 +40,7 @@ pub fn exposure(bytes: &[u8]) -> Result<DVec3> {
 }
 
 fn refused(line: &str) -> Error {
-    Error::failed(format!("`{}` in the header is no exposure", line.trim()), "save the picture again")
+    Error::input(format!("`{}` in the header is no exposure", line.trim()), "save the picture again")
 }
 
 #[cfg(test)]

@@ -91,7 +91,7 @@ impl ObjectDocument {
             size: self.size,
         };
         if !(pose.position.is_finite() && pose.size.is_finite() && pose.size > 0.0) {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "an object has no place or size",
                 "give finite numbers, and a size above 0",
             ));
@@ -182,13 +182,13 @@ impl Scene {
         let file: SceneDocument = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-            Error::failed(format!("line {line}: {}", e.message()), remedy(e.message()))
+            Error::input(format!("line {line}: {}", e.message()), remedy(e.message())).caused_by(e)
         })?;
         let background = file.background.color().to_array();
         let ground = file.ground.map(|Triple(color)| color);
         check_colors(ground.unwrap_or_default().map(f64::from).into_iter().chain(background))?;
         if !(-40.0..=40.0).contains(&file.exposure.stops) {
-            return Err(Error::failed("the exposure is not within -40 to 40 stops", "0 is a good start"));
+            return Err(Error::input("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
         let lights = file.lights.iter().map(|l| Light::parse_in(l, folder)).collect::<Result<Vec<_>>>()?;
         let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
@@ -271,7 +271,7 @@ fn objects(
     task: &Task,
 ) -> Result<(Vec<Object>, Bounds)> {
     if others.len() + 2 > MAX_OBJECTS {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("there are {} objects", others.len()),
             format!("give at most {}", MAX_OBJECTS - 2),
         ));

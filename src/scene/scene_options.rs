@@ -31,7 +31,7 @@ pub(super) fn words(options: FileOptions, folder: &Path) -> Result<Vec<[String; 
             Ok([name, folder.join(&text).to_string_lossy().into_owned()])
         }
         OptionValue::Text(word) | OptionValue::Number(word) => Ok([name, word]),
-        OptionValue::Other(kind) => Err(Error::failed(
+        OptionValue::Other(kind) => Err(Error::input(
             format!("options: `{name}` is a {kind}"),
             "give a text or a number, as on the command line",
         )),

@@ -128,9 +128,8 @@ impl Scene {
             objects: others.into_iter().map(|o| ObjectDocument::of(o, folder)).collect::<Result<_>>()?,
             options: options.collect::<Result<_>>()?,
         };
-        toml::to_string(&file).map_err(|e| {
-            Error::failed(format!("the scene cannot be written ({e})"), "report this as a bug of diffract")
-        })
+        toml::to_string(&file)
+            .map_err(|e| Error::bug(format!("the scene cannot be written ({e})")).caused_by(e))
     }
 }
 
@@ -146,7 +145,7 @@ fn named_from(path: &Path, folder: &Path) -> Result<String> {
     named
         .to_str()
         .map(str::to_owned)
-        .ok_or_else(|| Error::failed(format!("the name {} is not UTF-8", path.display()), "rename the file"))
+        .ok_or_else(|| Error::input(format!("the name {} is not UTF-8", path.display()), "rename the file"))
 }
 
 /// Rounds `x` to twelve digits, without the rounding of lengths on the way to metres and back.

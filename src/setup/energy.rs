@@ -18,7 +18,7 @@ type Limited<T> = (Option<Arc<T>>, Option<Error>);
 
 /// Returns the note of a surface that is too high for a series of its orders.
 fn too_high() -> Error {
-    Error::failed(
+    Error::limit(
         "the heights are too large for the sum over all orders that limits the energy: brightness has no limit",
         "check the height and its unit",
     )

@@ -303,6 +303,7 @@ pub fn pigment_alone() -> Source {
 /// Returns the default continuation of the surface beyond a patch like `field`: copies if they join without visible steps and without a
 /// jump of phase. Where there is too little memory for the spectrum, the steps decide.
 pub fn beyond_of(field: &HeightField) -> Beyond {
+    // The only error of `joining` is too little memory.
     continued(&statistics::joining(field).unwrap_or_else(|_| tiling::tiles(field)))
 }
 

@@ -51,9 +51,9 @@ fn key(device: &Device) -> Result<Key> {
 /// Adds the pipelines that the cache keeps for `device` to it. Without any, the driver compiles all of them.
 pub fn load_pipelines(device: &Device) {
     let Some(store) = Store::open() else { return };
-    let Ok(key) = key(device) else { return };
+    let Ok(key) = key(device) else { return }; // without a key, nothing is kept
     if let Some(Pipelines { data }) = store.load_kept(&key, LARGEST) {
-        let _ = device.add_pipelines(&data);
+        let _ = device.add_pipelines(&data); // refused ones are compiled again
     }
 }
 
@@ -65,7 +65,7 @@ pub fn keep_pipelines(device: &Device) {
     if data.is_empty() {
         return;
     }
-    let _ = keep(&store, &key, data);
+    let _ = keep(&store, &key, data); // the next start compiles them again
 }
 
 /// Keeps `data` as the pipelines of `key`, as [`keep_pipelines`] describes.

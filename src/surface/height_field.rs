@@ -31,7 +31,7 @@ impl HeightField {
     pub fn new(columns: usize, rows: usize, pixel_size: [f64; 2], heights: Vec<f64>) -> Result<Self> {
         check_size(columns, rows)?;
         if heights.len() != columns * rows {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("{} heights do not fill {columns} x {rows}", heights.len()),
                 "give columns * rows heights",
             ));
@@ -43,13 +43,13 @@ impl HeightField {
             ));
         }
         if let Some(i) = heights.iter().position(|h| !h.is_finite()) {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("the height at column {}, row {} is not a number", i % columns, i / columns),
                 "fill holes in the scan before use",
             ));
         }
         if let Some(height) = heights.iter().find(|h| h.abs() > LARGEST_HEIGHT) {
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("a height of {height:e} um is more than a kilometre"),
                 [Remedy::Words("check the unit of the heights".into())],
             ));
@@ -169,13 +169,13 @@ impl HeightField {
 /// Fails for a grid without samples and for one that is too large.
 fn check_size(columns: usize, rows: usize) -> Result<()> {
     if columns == 0 || rows == 0 {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("the height field is empty ({columns} x {rows})"),
             "give at least one sample",
         ));
     }
     if columns > MAX_SIDE || rows > MAX_SIDE {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("the height field of {columns} x {rows} samples is larger than {MAX_SIDE} on a side"),
             "crop it or average it down",
         ));

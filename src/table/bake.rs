@@ -213,7 +213,7 @@ fn check_room(grid: &TableGrid, layers: usize, settings: &TableSettings) -> Resu
         // Texels are as many as the tolerance is small.
         let sides = grid.side as f64 / settings.side_limit as f64;
         let growth = (bytes as f64 / settings.memory_limit as f64).max(sides * sides);
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!(
                 "the colour table would take {0} x {0} texels and {1:.0} MiB",
                 grid.side,

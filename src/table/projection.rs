@@ -59,7 +59,7 @@ impl Projection {
             .inspect(|projection| least = least.min(projection.error))
             .find(allowed);
         let whole = whole.ok_or_else(|| {
-            Error::failed(
+            Error::limit(
                 format!("{MOST_PIECES} cubics do not hold the colours of so high a surface"),
                 [
                     Remedy::TimesTolerance(least / settings.budget.basis),

@@ -52,9 +52,9 @@ impl App {
             .with_title("diffract")
             .with_inner_size(size)
             .with_min_inner_size(PhysicalSize::new(1, 1));
-        let opened = events
-            .create_window(attributes)
-            .map_err(|e| Error::failed(format!("the display gives no window ({e})"), Remedy::PictureFile))?;
+        let opened = events.create_window(attributes).map_err(|e| {
+            Error::device(format!("the display gives no window ({e})"), Remedy::PictureFile).caused_by(e)
+        })?;
         let (proxy, instance) = (self.proxy.clone(), &mut self.instance);
         self.window = Some(ViewerWindow::new(&self.start, Arc::new(opened), proxy, instance)?);
         Ok(())
@@ -87,7 +87,7 @@ impl ApplicationHandler<Event> for App {
             WindowEvent::Destroyed => {
                 // An error that came before is one of its consequences.
                 self.error = None;
-                Err(Error::failed("another program has destroyed the window", "open it again"))
+                Err(Error::device("another program has destroyed the window", "open it again"))
             }
             WindowEvent::RedrawRequested => window.redraw(),
             event => {

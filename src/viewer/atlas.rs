@@ -111,5 +111,5 @@ impl Atlas {
 
 /// Returns the error of an inconsistent texture change, which indicates a bug in egui or here.
 pub(super) fn misplaced() -> Error {
-    Error::failed("the panel changes a texture that is not there", "report this as a bug of diffract")
+    Error::bug("the panel changes a texture that is not there")
 }

@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn a_remedy_names_its_control() {
-        let error = Error::failed("too large", [Remedy::LargerTolerance, Remedy::ReferenceMethod]);
+        let error = Error::limit("too large", [Remedy::LargerTolerance, Remedy::ReferenceMethod]);
         assert_eq!(in_controls(&error), "too large; choose a larger `tolerance`, or take the f64 reference");
     }
 }

@@ -112,10 +112,11 @@ impl ErrorProbe {
             }
         };
         std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(
+            Error::memory(
                 format!("the system refuses a thread: {}", error::cause(&e)),
                 "close other programs",
             )
+            .caused_by(e)
         })?;
         Ok(Self { task })
     }

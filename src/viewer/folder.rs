@@ -24,10 +24,11 @@ pub struct Neighbour {
 pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     let folder = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let unreadable = |e: std::io::Error| {
-        Error::failed(
+        Error::files(
             format!("the folder {} cannot be read: {}", folder.display(), error::cause(&e)),
             "open another file",
         )
+        .caused_by(e)
     };
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
@@ -49,7 +50,7 @@ pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     };
     match files.into_iter().nth(place % of.max(1)) {
         Some(path) if name(&path) != shown_name => Ok(Neighbour { path, number: place % of + 1, of }),
-        _ => Err(Error::failed("the folder has no other height field", "open another file")),
+        _ => Err(Error::input("the folder has no other height field", "open another file")),
     }
 }
 

@@ -390,7 +390,7 @@ impl FrameRenderer {
             return Ok(None);
         }
         let Some(slot) = &mut self.full else {
-            return Err(Error::failed("there is no picture", "report this as a bug of diffract"));
+            return Err(Error::bug("there is no picture"));
         };
         let done = match job {
             Job::Picture(request) => {

@@ -129,9 +129,7 @@ impl Gui {
 fn failed(e: RendererError) -> Error {
     match e {
         RendererError::Vulkan(code) => crate::vk::failure("draw the panel", code),
-        other => {
-            Error::failed(format!("the panel cannot be drawn ({other})"), "report this as a bug of diffract")
-        }
+        other => Error::bug(format!("the panel cannot be drawn ({other})")),
     }
 }
 

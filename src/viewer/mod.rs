@@ -78,7 +78,7 @@ pub fn run(start: Start) -> Result<Vec<String>> {
     check_display(|name| variable(name).is_some())?;
     let no_display = |e: &dyn std::fmt::Display| {
         let cause = without_source(&e.to_string());
-        Error::failed(format!("the display cannot be opened ({cause})"), Remedy::PictureFile)
+        Error::device(format!("the display cannot be opened ({cause})"), Remedy::PictureFile)
     };
     let mut builder = EventLoop::with_user_event();
     #[cfg(target_os = "linux")]
@@ -87,7 +87,7 @@ pub fn run(start: Start) -> Result<Vec<String>> {
         if variable("DISPLAY").is_none() {
             let what = format!("no Wayland compositor answers at {}", socket.display());
             return Err(
-                Error::failed(what, "set WAYLAND_DISPLAY, or DISPLAY for X11").or(Remedy::PictureFile)
+                Error::device(what, "set WAYLAND_DISPLAY, or DISPLAY for X11").or(Remedy::PictureFile)
             );
         }
         builder.with_x11();
@@ -128,7 +128,7 @@ fn check_display(named: impl Fn(&str) -> bool) -> Result<()> {
     if anywhere_else || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
         return Ok(());
     }
-    Err(Error::failed(
+    Err(Error::device(
         "there is no display for a window: neither DISPLAY nor WAYLAND_DISPLAY is set",
         Remedy::PictureFile,
     ))
@@ -143,7 +143,10 @@ mod tests {
         let e = check_display(|_| false);
         if cfg!(target_os = "linux") {
             let e = e.unwrap_err();
-            assert!(e.exit_code() == 1 && e.remedies() == [Remedy::PictureFile], "{e}");
+            assert!(
+                e.kind() == crate::error::ErrorKind::Device && e.remedies() == [Remedy::PictureFile],
+                "{e}"
+            );
         }
         assert!(check_display(|name| name == "WAYLAND_DISPLAY").is_ok());
     }

@@ -715,7 +715,7 @@ mod tests {
     #[test]
     fn an_error_stays_until_its_own_kind_succeeds() {
         let mut model = model();
-        model.report(Concern::Setting, &Error::failed("no such file", "choose another"));
+        model.report(Concern::Setting, &Error::files("no such file", "choose another"));
         model.say("saved a.png");
         model.succeed(Concern::Picture);
         assert_eq!(model.failure.as_ref().unwrap().text, "no such file; choose another");

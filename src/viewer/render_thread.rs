@@ -24,10 +24,11 @@ impl RenderThread {
         let (tasks, device) = (queue.clone(), device.clone());
         let work = move || FrameRenderer::new(device).run(&tasks, &reply);
         let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(
+            Error::memory(
                 format!("the system refuses a thread: {}", error::cause(&e)),
                 "close other programs",
             )
+            .caused_by(e)
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }

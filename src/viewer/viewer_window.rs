@@ -204,7 +204,9 @@ impl ViewerWindow {
     ) -> Result<Self> {
         let display = window
             .display_handle()
-            .map_err(|e| Error::failed(format!("the display is gone ({e})"), Remedy::PictureFile))?
+            .map_err(|e| {
+                Error::device(format!("the display is gone ({e})"), Remedy::PictureFile).caused_by(e)
+            })?
             .as_raw();
         let opened = Arc::new(Instance::for_windows(start.validation, display)?);
         *instance = Some(opened.clone());

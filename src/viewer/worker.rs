@@ -199,10 +199,11 @@ impl Worker {
         let reply: Arc<Reply> = Arc::new(reply);
         let work = move || preparer.run(&requests, &reply);
         let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(
+            Error::memory(
                 format!("the system refuses a thread: {}", error::cause(&e)),
                 "close other programs",
             )
+            .caused_by(e)
         })?;
         Ok(Self { queue, thread: Some(thread) })
     }

@@ -120,5 +120,5 @@ impl Drop for Buffer {
 }
 
 fn not_mapped() -> Error {
-    Error::failed("a Vulkan buffer cannot be reached from the host", "report this as a bug of diffract")
+    Error::bug("a Vulkan buffer cannot be reached from the host")
 }

@@ -131,7 +131,7 @@ impl Commands {
                     self.device.events().note(|| RecordedEvent::Waited(self.fence));
                     device.reset_fences(&[self.fence]).map_err(|c| failure("reset a fence", c))
                 }
-                Err(vk::Result::TIMEOUT) => Err(Error::failed(
+                Err(vk::Result::TIMEOUT) => Err(Error::limit(
                     "the Vulkan device did not finish within ten minutes",
                     [Remedy::SmallerPicture, Remedy::LargerTolerance],
                 )),

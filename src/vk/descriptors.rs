@@ -10,7 +10,7 @@ use super::sampler::Sampler;
 use crate::error::Result;
 use ash::vk;
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Binding of a layout.
 #[derive(Clone, Copy, Debug)]
@@ -102,13 +102,13 @@ impl Descriptors {
 
     /// Returns the bound resources with the accesses of the shaders.
     pub(super) fn accesses(&self) -> Vec<(Resource, Access)> {
-        self.accesses.lock().map(|accesses| accesses.values().copied().collect()).unwrap_or_default()
+        // A map that is only inserted into is always whole.
+        self.accesses.lock().unwrap_or_else(PoisonError::into_inner).values().copied().collect()
     }
 
     fn declare(&self, number: u32, resource: Resource, access: Access) {
-        if let Ok(mut accesses) = self.accesses.lock() {
-            accesses.insert(number, (resource, access));
-        }
+        let mut accesses = self.accesses.lock().unwrap_or_else(PoisonError::into_inner);
+        accesses.insert(number, (resource, access));
     }
 
     fn bind_buffer(&self, number: u32, buffer: &Buffer, access: Access) {

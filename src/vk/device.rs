@@ -13,7 +13,7 @@ use gpu_allocator::vulkan::{
 };
 use std::ffi::c_char;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Sizes of the first and the largest block of device memory, and of host memory \[bytes\]. Each block is twice the
 /// previous one, so that small pictures take little memory and large ones few blocks.
@@ -116,7 +116,7 @@ impl Device {
             reason,
             instance,
         };
-        device.allocator = Mutex::new(Some(allocator.map_err(|e| memory_failure("device", &e))?));
+        device.allocator = Mutex::new(Some(allocator.map_err(|e| memory_failure("device", e))?));
         // SAFETY: the device is live; its drop destroys the cache.
         device.pipelines =
             unsafe { device.raw.create_pipeline_cache(&vk::PipelineCacheCreateInfo::default(), None) }
@@ -189,12 +189,12 @@ impl Device {
     /// Returns the memory used by the resources of this program \[bytes\].
     pub fn memory_in_use(&self) -> u64 {
         let report = |a: &Allocator| a.generate_report().total_allocated_bytes;
-        self.allocator.lock().ok().and_then(|guard| guard.as_ref().map(report)).unwrap_or(0)
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, report)
     }
 
     /// Waits until the queue is idle.
     pub fn wait_idle(&self) {
-        let Ok(queue) = self.queue.lock() else { return };
+        let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner); // a handle, which is always whole
         // SAFETY: the lock gives the external synchronization that a queue needs. A lost device is idle, too.
         let _ = unsafe { self.raw.queue_wait_idle(*queue) };
     }
@@ -223,17 +223,17 @@ impl Device {
         use gpu_allocator::AllocationError::OutOfMemory;
         let take = |left: u64| left.checked_sub(1).or(Some(u64::MAX));
         if self.until_refusal.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take) == Ok(0) {
-            return Err(memory_failure(name, &OutOfMemory));
+            return Err(memory_failure(name, OutOfMemory));
         }
         let mut guard = self.allocator.lock().map_err(|_| poisoned())?;
         let allocator = guard.as_mut().ok_or_else(poisoned)?;
         let scheme = AllocationScheme::GpuAllocatorManaged;
         let request =
             AllocationCreateDesc { name, requirements, location, linear, allocation_scheme: scheme };
-        let allocation = allocator.allocate(&request).map_err(|e| memory_failure(name, &e))?;
+        let allocation = allocator.allocate(&request).map_err(|e| memory_failure(name, e))?;
         if self.instance.mask().memory.is_some_and(|most| allocator.capacity() > most) {
             let _ = allocator.free(allocation); // allocated above
-            return Err(memory_failure(name, &OutOfMemory));
+            return Err(memory_failure(name, OutOfMemory));
         }
         Ok(allocation)
     }
@@ -262,7 +262,7 @@ impl Device {
     /// Sets the debug name of a handle.
     pub fn name(&self, handle: impl vk::Handle, name: &str) {
         let Some(functions) = &self.names else { return };
-        let Ok(name) = std::ffi::CString::new(name) else { return };
+        let Ok(name) = std::ffi::CString::new(name) else { return }; // names are literals; one with a NUL is left out
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
         // SAFETY: the handle is a live child of this device. A failure to set the name is harmless.
         let _ = unsafe { functions.set_debug_utils_object_name(&info) };
@@ -274,7 +274,7 @@ impl Drop for Device {
         // SAFETY: children hold an `Arc` of this device, so none is left; waiting ends pending work of the queue, and
         // the allocator's blocks are freed before the device.
         unsafe {
-            let _ = self.raw.device_wait_idle();
+            let _ = self.raw.device_wait_idle(); // a lost device is idle, too
             if let Ok(mut allocator) = self.allocator.lock() {
                 allocator.take();
             }
@@ -285,12 +285,13 @@ impl Drop for Device {
 }
 
 fn poisoned() -> Error {
-    Error::failed("a thread failed while it used the Vulkan device", "start the program again")
+    Error::device("a thread failed while it used the Vulkan device", "start the program again")
 }
 
-fn memory_failure(name: &str, error: &gpu_allocator::AllocationError) -> Error {
-    Error::failed(
+fn memory_failure(name: &str, error: gpu_allocator::AllocationError) -> Error {
+    Error::memory(
         format!("the Vulkan device has no memory for the resource \"{name}\" ({error})"),
         if memory::is_limited() { Remedies::from(super::LIFT_LIMIT) } else { super::LESS_MEMORY.into() },
     )
+    .caused_by(error)
 }

@@ -16,8 +16,8 @@
 use super::access::Access;
 use ash::vk::{self, AccessFlags2 as A, ImageLayout, PipelineStageFlags2 as S};
 use std::collections::HashMap;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Resource, by its raw handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -112,16 +112,19 @@ impl EventLog {
 
     /// Returns the logged events and continues with an empty log.
     pub fn take(&self) -> Vec<RecordedEvent> {
-        self.events.lock().map(|mut events| std::mem::take(&mut *events)).unwrap_or_default()
+        std::mem::take(&mut *self.list())
     }
 
     /// Logs `event`.
     pub fn note(&self, event: impl FnOnce() -> RecordedEvent) {
-        if self.on.load(Ordering::Relaxed)
-            && let Ok(mut events) = self.events.lock()
-        {
-            events.push(event());
+        if self.on.load(Ordering::Relaxed) {
+            let event = event();
+            self.list().push(event);
         }
+    }
+
+    fn list(&self) -> MutexGuard<'_, Vec<RecordedEvent>> {
+        self.events.lock().unwrap_or_else(PoisonError::into_inner) // a list that is only pushed to is always whole
     }
 }
 

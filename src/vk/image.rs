@@ -113,7 +113,7 @@ impl Image {
         let Description { name, format, size, layers, array, usage } = *description;
         let limits = device.candidate();
         if size[0] > limits.max_side || size[1] > limits.max_side || layers > limits.max_layers {
-            return Err(Error::failed(
+            return Err(Error::limit(
                 format!(
                     "the {name} of {} x {} texels in {layers} layers is larger than `{}` holds ({} x {} in {} layers)",
                     size[0], size[1], limits.name, limits.max_side, limits.max_side, limits.max_layers

@@ -6,7 +6,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use ash::{ext, vk};
 use std::ffi::{CStr, c_char, c_void};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -24,13 +24,15 @@ pub struct Messages(Mutex<Vec<String>>);
 impl Messages {
     /// Returns all messages so far.
     pub fn all(&self) -> Vec<String> {
-        self.0.lock().map(|list| list.clone()).unwrap_or_default()
+        self.list().clone()
+    }
+
+    fn list(&self) -> MutexGuard<'_, Vec<String>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner) // a list that is cloned or pushed to is always whole
     }
 
     fn push(&self, message: String) {
-        if let Ok(mut list) = self.0.lock() {
-            list.push(message);
-        }
+        self.list().push(message);
     }
 }
 
@@ -69,8 +71,9 @@ impl Instance {
     /// Same as [`Instance::new`]; also fails if an extension is missing.
     pub(super) fn with_extensions(validation: bool, more: &[*const c_char], mask: Mask) -> Result<Self> {
         // SAFETY: loading runs the system's Vulkan loader, as the user requested; the entry outlives all use.
-        let entry = unsafe { ash::Entry::load() }
-            .map_err(|e| Error::failed(format!("there is no Vulkan on this machine ({e})"), INSTALL))?;
+        let entry = unsafe { ash::Entry::load() }.map_err(|e| {
+            Error::device(format!("there is no Vulkan on this machine ({e})"), INSTALL).caused_by(e)
+        })?;
         let application =
             vk::ApplicationInfo::default().application_name(c"diffract").api_version(API_VERSION);
         let layers = [VALIDATION_LAYER.as_ptr()];
@@ -88,9 +91,9 @@ impl Instance {
         let raw = unsafe { entry.create_instance(&info, None) }.map_err(|code| match code {
             // A loader also reports this if it gets no memory for a driver.
             vk::Result::ERROR_INCOMPATIBLE_DRIVER if !memory::is_limited() => {
-                Error::failed("there is no Vulkan driver of version 1.3 on this machine", INSTALL)
+                Error::device("there is no Vulkan driver of version 1.3 on this machine", INSTALL)
             }
-            vk::Result::ERROR_EXTENSION_NOT_PRESENT => Error::failed(
+            vk::Result::ERROR_EXTENSION_NOT_PRESENT => Error::device(
                 "this machine's Vulkan cannot show windows on this display",
                 Remedy::PictureFile,
             ),
@@ -167,7 +170,7 @@ fn require_validation(entry: &ash::Entry) -> Result<()> {
     if layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
         return Ok(());
     }
-    Err(Error::failed(
+    Err(Error::device(
         "Vulkan validation is asked for and not installed",
         "install it (apt-get install vulkan-validationlayers) or unset DIFFRACT_VALIDATION",
     ))

@@ -132,7 +132,7 @@ mod tests {
             "=",
             "memory=1MiB,side=4",
         ] {
-            assert_eq!(Mask::parse(text).unwrap_err().exit_code(), 2, "{text}");
+            assert_eq!(Mask::parse(text).unwrap_err().kind(), crate::error::ErrorKind::Usage, "{text}");
         }
     }
 }

@@ -41,15 +41,41 @@ const LIFT_LIMIT: [Remedy; 3] = [
 
 /// Turns a Vulkan result code into an error that names the failed action and a remedy.
 pub fn failure(doing: &str, code: vk::Result) -> Error {
+    let what = format!("Vulkan could not {doing} ({code})");
     let remedy: Remedies = match code {
         // Drivers fail in many ways if they get no memory.
-        _ if memory::is_limited() => LIFT_LIMIT.into(),
-        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => LESS_MEMORY.into(),
+        _ if memory::is_limited() => return Error::memory(what, LIFT_LIMIT).caused_by(code),
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+            return Error::memory(what, LESS_MEMORY).caused_by(code);
+        }
         vk::Result::ERROR_DEVICE_LOST => {
             [Remedy::Words("try again; if it recurs, update the driver".into()), Remedy::SoftwareDevice]
                 .into()
         }
         _ => [Remedy::Words("update the driver".into()), Remedy::OtherDevice, Remedy::SoftwareDevice].into(),
     };
-    Error::failed(format!("Vulkan could not {doing} ({code})"), remedy)
+    Error::device(what, remedy).caused_by(code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::ErrorKind;
+
+    #[test]
+    fn a_lost_device_and_one_without_memory_are_told_apart() {
+        if memory::is_limited() {
+            return; // everything that fails is told as too little memory
+        }
+        let kinds = [
+            (vk::Result::ERROR_DEVICE_LOST, ErrorKind::Device),
+            (vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, ErrorKind::Memory),
+        ];
+        for (code, kind) in kinds {
+            let error = failure("finish the work", code);
+            assert_eq!(error.kind(), kind, "{error}");
+            let source = std::error::Error::source(&error).and_then(|e| e.downcast_ref::<vk::Result>());
+            assert_eq!(source, Some(&code));
+        }
+    }
 }

@@ -18,9 +18,8 @@ struct Module<'a> {
 
 impl<'a> Module<'a> {
     fn new(device: &'a Device, Code { name, spirv, constants }: Code<'a>) -> Result<Self> {
-        let words = ash::util::read_spv(&mut std::io::Cursor::new(spirv)).map_err(|e| {
-            Error::failed(format!("the shader {name} is damaged ({e})"), "build diffract again")
-        })?;
+        let words = ash::util::read_spv(&mut std::io::Cursor::new(spirv))
+            .map_err(|e| Error::bug(format!("the shader {name} is damaged ({e})")).caused_by(e))?;
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the device is live; the words are SPIR-V that the build's compiler wrote.
         let raw = unsafe { device.raw().create_shader_module(&info, None) }

@@ -192,7 +192,7 @@ pub fn kind_name(kind: vk::PhysicalDeviceType) -> &'static str {
 /// Fails if there is no device, no matching one, or none with the required capabilities.
 pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, String)> {
     if candidates.is_empty() {
-        return Err(Error::failed("Vulkan finds no device on this machine", INSTALL));
+        return Err(Error::device("Vulkan finds no device on this machine", INSTALL));
     }
     let usable = |i: &usize| candidates[*i].missing.is_empty();
     let best =
@@ -202,7 +202,7 @@ pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, S
         if c.missing.is_empty() {
             return Ok((i, "named by the user".to_owned()));
         }
-        Err(Error::failed(
+        Err(Error::device(
             format!("`{}` lacks {}", c.name, c.missing.join(", ")),
             [Remedy::Words("update its driver".into()), Remedy::OtherDevice],
         ))
@@ -219,7 +219,7 @@ pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, S
             let mut software = (0..candidates.len()).filter(|&i| candidates[i].is_software());
             best(&mut software)
                 .map(|i| (i, "a software device, as asked".to_owned()))
-                .ok_or_else(|| Error::failed("there is no usable software device", INSTALL))
+                .ok_or_else(|| Error::device("there is no usable software device", INSTALL))
         }
         DeviceChoice::Any => best(&mut (0..candidates.len()))
             .map(|i| {
@@ -234,7 +234,7 @@ pub fn choose(candidates: &[Candidate], wish: &DeviceChoice) -> Result<(usize, S
             })
             .ok_or_else(|| {
                 let all = candidates.iter().map(|c| format!("{} lacks {}", c.name, c.missing.join(", ")));
-                Error::failed(
+                Error::device(
                     format!("no Vulkan device here can be used: {}", all.collect::<Vec<_>>().join("; ")),
                     INSTALL,
                 )

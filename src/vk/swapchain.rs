@@ -209,7 +209,7 @@ fn format(formats: &[vk::SurfaceFormatKHR]) -> Result<vk::SurfaceFormatKHR> {
         wanted.contains(&f.format) && f.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR
     };
     formats.iter().find(fits).copied().ok_or_else(|| {
-        Error::failed("the window takes no 8-bit sRGB picture", [Remedy::PictureFile, Remedy::OtherDevice])
+        Error::device("the window takes no 8-bit sRGB picture", [Remedy::PictureFile, Remedy::OtherDevice])
     })
 }
 

@@ -60,7 +60,8 @@ impl Surface {
     where
         W: HasDisplayHandle + HasWindowHandle + Any + Send + Sync,
     {
-        let gone = |e: HandleError| Error::failed(format!("the window is gone ({e})"), "start again");
+        let gone =
+            |e: HandleError| Error::device(format!("the window is gone ({e})"), "start again").caused_by(e);
         let display = window.display_handle().map_err(gone)?.as_raw();
         let handle = window.window_handle().map_err(gone)?.as_raw();
         // SAFETY: both handles are of the live window, which this value keeps; the instance has the extensions of its

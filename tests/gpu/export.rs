@@ -81,7 +81,7 @@ fn exported(folder: &Path) {
         most_bytes: None,
     };
     let material = ExportedMaterial::new(&field, &settings, &Task::silent()).unwrap();
-    let mut description = MaterialDescription::new(&field, &settings, &material, String::new());
+    let mut description = MaterialDescription::new(&field, &settings, &material, String::new()).unwrap();
     write(folder, &material, &mut description).unwrap();
 }
 

@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{grating, layers, optics, patch, queries, window};
 use crate::mean::source;
-use diffract::error::{Remedy, Result};
+use diffract::error::{ErrorKind, Remedy, Result};
 use diffract::filter::FootprintSizes;
 use diffract::measure::profile;
 use diffract::optics::coherence::{Coherence, Windows};
@@ -36,7 +36,7 @@ fn with_each_allocation_failing<T>(device: &Arc<Device>, mut work: impl FnMut() 
             }
             Err(error) => {
                 let line = error.to_string();
-                assert_eq!(error.exit_code(), 1, "{line}");
+                assert_eq!(error.kind(), ErrorKind::Memory, "{line}");
                 assert!(line.contains("no memory for the"), "{line}");
                 assert!(error.remedies().contains(&Remedy::SmallerPicture), "{line}");
                 assert_eq!(device.memory_in_use(), 0, "allocation {n} left memory behind: {line}");
@@ -214,7 +214,7 @@ fn a_device_that_is_lost_at_any_submission_is_told_and_stays_lost() {
         let painted = paint(&device, &window(&layers), &optics, &scene);
         let done = painted.is_ok();
         if let Err(error) = painted {
-            assert!(error.exit_code() == 1 && device.is_lost(), "{error}");
+            assert!(error.kind() == ErrorKind::Device && device.is_lost(), "{error}");
             assert!(error.to_string().contains("lost"), "{error}");
             assert!(
                 paint(&device, &window(&layers), &optics, &scene).is_err(),

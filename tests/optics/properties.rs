@@ -92,7 +92,7 @@ proptest! {
             units::size(&text).map(|_| ()).err(),
         ];
         for error in refusals.into_iter().flatten() {
-            prop_assert_eq!(error.exit_code(), 2);
+            prop_assert_eq!(error.kind(), diffract::error::ErrorKind::Usage);
             prop_assert!(error.to_string().contains("; "), "{}", error);
         }
         if let Ok(length) = units::length(&text) {

@@ -29,6 +29,7 @@ impl MapFormat {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("csv") => Ok(Self::Csv),
             Some("npy") => Ok(Self::Npy),
+            // That error names fewer formats.
             _ => PictureFormat::of(path).map(Self::Picture).map_err(|_| {
                 Error::usage(
                     format!("{}: the format of the map is not clear", path.display()),
@@ -46,7 +47,7 @@ impl MapFormat {
 /// A file that cannot be written.
 pub fn write_csv(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
     output::write_atomically(path, |file| {
-        csv(file, map, is_spectral).map_err(|e| output::write_failed(path, &e))
+        csv(file, map, is_spectral).map_err(|e| output::write_failed(path, e))
     })
 }
 
@@ -71,7 +72,7 @@ fn csv(file: &mut impl Write, map: &HemisphereMap, is_spectral: bool) -> io::Res
 /// A file that cannot be written.
 pub fn write_npy(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
     output::write_atomically(path, |file| {
-        npy(file, map, is_spectral).map_err(|e| output::write_failed(path, &e))
+        npy(file, map, is_spectral).map_err(|e| output::write_failed(path, e))
     })
 }
 

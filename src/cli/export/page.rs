@@ -54,7 +54,7 @@ pub fn write(
     let relief = Raster::values(grid.size[0], &grid.values, scale);
     let text =
         page::write(material, &words, &relief.png()?, subject.mesh).map_err(|e| e.at(path.display()))?;
-    write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, &e)))
+    write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, e)))
 }
 
 /// Returns all texts of the page, where the colours of the heights have this `range` \[nm\].

@@ -35,7 +35,10 @@ mod tests {
         assert_eq!(Exposure::parse("-2.5").unwrap(), Exposure::Stops(-2.5));
         for bad in ["", "Auto", "automatic", "41", "-41", "nan", "1EV"] {
             let e = Exposure::parse(bad).unwrap_err();
-            assert!(e.exit_code() == 2 && e.to_string().contains("auto"), "{bad}: {e}");
+            assert!(
+                e.kind() == crate::error::ErrorKind::Usage && e.to_string().contains("auto"),
+                "{bad}: {e}"
+            );
         }
     }
 }

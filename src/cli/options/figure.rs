@@ -139,7 +139,7 @@ mod tests {
         assert!(PageWidth::parse("960px").unwrap().is_pixels && !PageWidth::parse("9cm").unwrap().is_pixels);
         for bad in ["", "85", "-85mm", "1mm", "3000mm", "85um", "nanmm"] {
             let e = width(bad).unwrap_err();
-            assert!(e.exit_code() == 2 && e.to_string().contains("; "), "{bad}: {e}");
+            assert!(e.kind() == crate::error::ErrorKind::Usage && e.to_string().contains("; "), "{bad}: {e}");
         }
         assert_eq!(font_size("7pt").unwrap(), 7.0);
         assert!(font_size("7").is_err() && font_size("0pt").is_err() && dpi("0").is_err());

@@ -123,7 +123,7 @@ pub fn run(arguments: &CompareArguments) -> Result<()> {
         }
     }
     if compared.is_empty() {
-        return Err(Error::failed(
+        return Err(Error::input(
             "none of the files is a height field",
             "name files that `diffract surface info` reads",
         ));
@@ -155,7 +155,8 @@ fn listed(named: &[OsString]) -> Result<Vec<(OsString, bool)>> {
             all.push((name.clone(), false));
             continue;
         }
-        let unread = |e: std::io::Error| Error::failed(cause(&e), "check the path").at(path.display());
+        let unread =
+            |e: std::io::Error| Error::files(cause(&e), "check the path").caused_by(e).at(path.display());
         let mut files = Vec::new();
         for entry in path.read_dir().map_err(unread)? {
             files.push(entry.map_err(unread)?.path());
@@ -167,7 +168,7 @@ fn listed(named: &[OsString]) -> Result<Vec<(OsString, bool)>> {
         files.retain(is_scan);
         files.sort();
         if files.is_empty() {
-            return Err(Error::failed("the folder holds no height fields", "name another folder, or files")
+            return Err(Error::input("the folder holds no height fields", "name another folder, or files")
                 .at(path.display()));
         }
         all.extend(files.into_iter().map(|file| (file.into_os_string(), true)));

@@ -147,7 +147,7 @@ fn optics(field: &HeightField) -> Vec<Line> {
                 let thesis = thesis.map_or("more than 4096".to_owned(), |n| n.to_string());
                 format!("{terms} terms (tight bound, centred; the thesis' bound asks for {thesis})")
             }
-            Err(_) => "not in 32-bit floats".to_owned(),
+            Err(_) => "not in 32-bit floats".to_owned(), // the only error of `terms_for`
         };
         lines.push(("taylor", format!("sup error {tolerance:.0e}: {bound}")));
     }

@@ -48,7 +48,8 @@ pub fn figure(
             figure = figure.row(panels);
             words
         }
-        Err(e) => format!("No colours: {e}."),
+        Err(e) if e.is_too_large() => format!("No colours: {e}."),
+        Err(e) => return Err(e),
     };
     Ok(figure
         .row(vec![profile(field), radial(&spectrum, statistics)])

@@ -167,7 +167,7 @@ fn each_step_of_the_worked_example_brings_the_surface_nearer() {
         figure(&stages).save(&picture, &FigureStyle::default(), &Notes::default()).unwrap();
     }
     assert!(picture.is_file(), "docs/images/preparing.png is missing; DIFFRACT_BLESS=1 draws it");
-    let there = std::fs::read_to_string(path).unwrap_or_default();
+    let there = std::fs::read_to_string(path).unwrap_or_default(); // missing or unreadable: it differs
     assert!(
         there == page(&written),
         "docs/PREPARING.md differs; DIFFRACT_BLESS=1 writes it anew:\n{written}"

@@ -5,7 +5,7 @@ mod figure;
 
 pub use figure::figure;
 
-use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps};
+use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps, is_impossible};
 use super::options::{CacheOptions, DeviceOptions, FigureOptions, SurfaceOptions, coherence, ior, tolerance};
 use super::progress::ProgressBar;
 use super::remedies::in_options;
@@ -19,7 +19,7 @@ use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
 use crate::scene::Light;
 use crate::task::Progress;
-use crate::{output, units};
+use crate::{input, output, units};
 use baselines::Baselines;
 use clap::{Args, Parser};
 use std::ffi::OsString;
@@ -86,8 +86,6 @@ struct SettingLine {
 const FILES: [&str; 4] = ["trade.csv", "trade.md", "trade.svg", "trade.png"];
 /// Timing of each setting.
 const LIMITS: TimingLimits = TimingLimits { frames: 9, seconds: 3.0 };
-/// Largest size of a CSV that is read back \[bytes\].
-const LARGEST_CSV: u64 = 16 << 20;
 
 /// Measures the settings and writes the results.
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -131,7 +129,7 @@ impl<'a> TradeSweep<'a> {
                 .check()?;
         }
         let frame = frame_key(arguments, &scene);
-        let rows = read_rows(&arguments.folder.join("trade.csv"), &frame);
+        let rows = read_rows(&arguments.folder.join("trade.csv"), &frame)?;
         let (references, impossible) = (References::default(), Vec::new());
         Ok(Self { arguments, scene, frame, references, rows, impossible })
     }
@@ -144,7 +142,7 @@ impl<'a> TradeSweep<'a> {
     fn add(&mut self, row: Measurement) -> Result<()> {
         self.rows.push(row);
         let folder = &self.arguments.folder;
-        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, &e))?;
+        std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, e))?;
         write::text(Some(&self.file("trade.csv")), &trade::csv(&self.rows)?)
     }
 
@@ -159,7 +157,8 @@ impl<'a> TradeSweep<'a> {
             }
             match self.measure(&flags) {
                 Ok(row) => self.add(row)?,
-                Err(error) => self.impossible.push((flags, in_options(&error))),
+                Err(error) if is_impossible(&error) => self.impossible.push((flags, in_options(&error))),
+                Err(error) => return Err(error),
             }
         }
         Ok(())
@@ -200,7 +199,10 @@ impl<'a> TradeSweep<'a> {
             match baselines.measure(series, &mut self.references) {
                 Ok(None) => {}
                 Ok(Some(row)) => self.add(Measurement { frame: self.frame.clone(), ..row })?,
-                Err(error) => self.impossible.push((series.to_owned(), in_options(&error))),
+                Err(error) if is_impossible(&error) => {
+                    self.impossible.push((series.to_owned(), in_options(&error)));
+                }
+                Err(error) => return Err(error),
             }
         }
         Ok(())
@@ -210,7 +212,7 @@ impl<'a> TradeSweep<'a> {
     fn report(&self, style: &FigureStyle) -> Result<()> {
         if self.rows.is_empty() {
             let why = self.impossible.first().map_or("", |(_, why)| why);
-            return Err(Error::failed(
+            return Err(Error::limit(
                 format!("no setting could be measured: {why}"),
                 "see `diffract trade --help`",
             ));
@@ -318,12 +320,14 @@ fn frame_key(arguments: &Arguments, scene: &BenchmarkScene) -> String {
     hasher.finalize().to_hex()[..16].to_owned()
 }
 
-fn read_rows(path: &Path, frame: &str) -> Vec<Measurement> {
-    let small = std::fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() <= LARGEST_CSV);
-    let text = if small { std::fs::read_to_string(path).unwrap_or_default() } else { String::new() };
-    let rows = trade::from_csv(&text, frame);
+/// Reads the measurements of `frame` from the file `path`; none if there is no such file.
+fn read_rows(path: &Path, frame: &str) -> Result<Vec<Measurement>> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let rows = trade::from_csv(&input::read_text(path, "another folder, or remove this file")?, frame);
     if !rows.is_empty() {
         say(&format_args!("{} settings are taken from {}", rows.len(), path.display()));
     }
-    rows
+    Ok(rows)
 }

@@ -70,7 +70,7 @@ pub fn mean_errors(
             Err(reason) if missing.as_ref().is_none_or(|(brightest, _)| share > brightest) => {
                 missing = Some((*share, reason));
             }
-            Err(_) => {}
+            Err(_) => {} // of a darker band than the one in `missing`
         }
     }
     sums.retain(|(known, _)| *known >= KNOWN);

@@ -106,6 +106,7 @@ impl TablePoint {
     }
 }
 
+/// Rows of the table; a test of this module checks that every line is one.
 static ROWS: LazyLock<Vec<TablePoint>> = LazyLock::new(|| TABLE.lines().skip(1).filter_map(row).collect());
 
 fn row(line: &'static str) -> Option<TablePoint> {

@@ -72,10 +72,7 @@ impl Renderer {
     /// Same as [`Self::directions`].
     pub fn directions_of(&mut self, view: &View, light: usize, sample: &Sample) -> Result<Directions> {
         if light >= view.light_count() {
-            return Err(Error::failed(
-                format!("there is no light {light}"),
-                "report this as a bug of diffract",
-            ));
+            return Err(Error::bug(format!("there is no light {light}")));
         }
         self.directions_in(view, &LightPass::of_all(light, *sample))
     }

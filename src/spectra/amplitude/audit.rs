@@ -73,10 +73,7 @@ impl Audit {
             transformer.take_back([spectrum]);
             planes.push(Plane { z, faint: faint(share), texels, exact, terms: Vec::new() });
         }
-        planes
-            .try_into()
-            .map(|planes| Self { planes })
-            .map_err(|_| Error::failed("the audit lost a plane", "report this as a bug of diffract"))
+        planes.try_into().map(|planes| Self { planes }).map_err(|_| Error::bug("the audit lost a plane"))
     }
 
     /// Adds a pair of terms, given on kept columns and rows.

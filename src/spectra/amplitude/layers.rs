@@ -268,7 +268,7 @@ fn interpolation(settings: &LayerSettings) -> Result<(Interpolation, f64)> {
     let interpolation = Interpolation::for_tolerance(budget, of);
     let error = interpolation.relative_error();
     if error > budget {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!(
                 "spectra of any size that is sensible leave more than {budget:.0e} between their samples"
             ),
@@ -279,7 +279,7 @@ fn interpolation(settings: &LayerSettings) -> Result<(Interpolation, f64)> {
 }
 
 fn beyond_32_bits(settings: &LayerSettings, error: f64) -> Error {
-    Error::failed(
+    Error::limit(
         format!(
             "the {} expansion in 32-bit floats leaves a relative error of {error:.1e} on this surface, more than its share {:.1e} of the \
              tolerance",

@@ -33,7 +33,7 @@ pub(super) fn axes(
     let axes = [axis(0), axis(1)];
     let longest = axes.iter().map(PaddedAxis::kept).max().unwrap_or(0);
     if longest > settings.side_limit {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!("the spectra would be {} texels long, the device holds {}", longest, settings.side_limit),
             [Remedy::ShorterCoherence, Remedy::LargerTolerance, Remedy::ReferenceMethod],
         ));
@@ -53,7 +53,7 @@ fn ensure_room([x, y]: &[PaddedAxis; 2], samples: &[Samples; 2], settings: &Laye
 }
 
 pub(super) fn too_large(bytes: f64, settings: &LayerSettings) -> Error {
-    Error::failed(
+    Error::memory(
         format!(
             "the spectra would take {:.1} GiB or more, the limit is {:.1} GiB",
             bytes / f64::from(1 << 30),

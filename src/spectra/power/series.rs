@@ -114,7 +114,7 @@ impl OrderSeries {
                 return Ok(series);
             }
             if terms == MOST_TERMS {
-                return Err(Error::failed(
+                return Err(Error::limit(
                     format!(
                         "{terms} terms in z leave a relative error of {:.1e} on this surface",
                         series.error
@@ -193,7 +193,7 @@ impl OrderSeries {
         if deviation <= most {
             return Ok(());
         }
-        Err(Error::failed(
+        Err(Error::limit(
             format!(
                 "the heights vary by {deviation:.3e} um RMS, and beyond {most:.1} um {MOST_TERMS} terms in z cannot follow them"
             ),

@@ -198,18 +198,19 @@ pub fn text(field: &[u8]) -> String {
 pub fn decode_text(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
+        // No UTF-8: Latin-1.
         Err(_) => bytes.iter().map(|b| char::from(*b)).collect(),
     }
 }
 
 /// Returns the error of a file that ends too early.
 pub fn cut_short() -> Error {
-    Error::failed("is cut short", "save or copy the file again")
+    Error::input("is cut short", "save or copy the file again")
 }
 
 /// Returns the error of a file that contradicts itself or its format.
 pub fn damaged(what: impl std::fmt::Display) -> Error {
-    Error::failed(format!("is damaged: {what}"), "save or copy the file again")
+    Error::input(format!("is damaged: {what}"), "save or copy the file again")
 }
 
 #[cfg(test)]

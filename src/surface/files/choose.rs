@@ -112,6 +112,9 @@ mod tests {
         let chosen = |name| choose(&scan, Some(name)).unwrap();
         assert_eq!([chosen("height"), chosen("PHASE"), chosen("2"), chosen("3")], [2, 1, 3, 2]);
         let e = choose(&scan, Some("Depth")).unwrap_err();
-        assert!(e.exit_code() == 2 && e.to_string().contains("2 (Phase, deg)"), "{e}");
+        assert!(
+            e.kind() == crate::error::ErrorKind::Usage && e.to_string().contains("2 (Phase, deg)"),
+            "{e}"
+        );
     }
 }

@@ -109,7 +109,7 @@ impl DigitalSurfHeader {
             20.. => "spectra",
             _ => return Ok(()),
         };
-        Err(Error::failed(format!("holds {what} and no surface"), "choose a file with a surface in it"))
+        Err(Error::input(format!("holds {what} and no surface"), "choose a file with a surface in it"))
     }
 }
 

@@ -23,7 +23,7 @@ pub const OLD_MAGIC: &[u8] = b"GWYO";
 /// A file of Gwyddion 1, one without data fields, one whose sizes contradict each other.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if bytes.starts_with(OLD_MAGIC) {
-        return Err(Error::failed("is of Gwyddion 1 (GWYO)", "open it with Gwyddion 2 and save it again"));
+        return Err(Error::input("is of Gwyddion 1 (GWYO)", "open it with Gwyddion 2 and save it again"));
     }
     let mut cursor = Cursor::new(bytes, Order::Little).at(MAGIC.len());
     let container = object(&mut cursor)?;
@@ -49,7 +49,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         }
     })?;
     if fields.is_empty() {
-        return Err(Error::failed("holds no data field", "choose a file with an image in it"));
+        return Err(Error::input("holds no data field", "choose a file with an image in it"));
     }
     let channels = fields.into_iter().map(|(n, body)| {
         let name = titles.remove(&n).unwrap_or_else(|| format!("/{n}/data"));
@@ -109,6 +109,7 @@ fn record(meta: &GwyObject) -> PreparationRecord {
 /// Returns the text of the component `name`; empty if there is none, or if the object is damaged.
 fn text_in(object: &GwyObject, name: &str) -> String {
     let mut found = String::new();
+    // A damaged object has no text; its heights are read with errors.
     let _ = components(object.body, |key, value| match value {
         GwyValue::Text(text) if key == name => found = decode_text(text),
         _ => {}

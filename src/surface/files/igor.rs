@@ -76,12 +76,12 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         .ok_or_else(|| damaged("the check sum of its header is wrong, or it is cut short"))?;
     let mut cursor = Cursor::new(bytes, order);
     if cursor.u16()? != VERSION {
-        return Err(Error::failed("holds a single line and no image", "choose an image file"));
+        return Err(Error::input("holds a single line and no image", "choose an image file"));
     }
     let wave = header(&mut cursor)?;
     let [columns, rows, channels, more] = wave.dimensions;
     if more > 1 || rows == 0 {
-        return Err(Error::failed("holds no image", "choose a file with an image in it"));
+        return Err(Error::input("holds no image", "choose a file with an image in it"));
     }
     let size = size(columns, rows)?;
     let channels = channels.max(1);
@@ -103,14 +103,14 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 fn check_axes(wave: &IgorWave, tail: &Tail) -> Result<()> {
     let choose = "choose an image file";
     if tail.has_named_columns {
-        return Err(Error::failed(
+        return Err(Error::input(
             "holds curves in columns with names, such as a force curve, and no image",
             choose,
         ));
     }
     let units = wave.lateral_units.iter().chain(&tail.lateral_units);
     match units.into_iter().find(|unit| units::is_of_another_quantity(unit)) {
-        Some(unit) => Err(Error::failed(format!("has an axis in {unit}, which is no length"), choose)),
+        Some(unit) => Err(Error::input(format!("has an axis in {unit}, which is no length"), choose)),
         None => Ok(()),
     }
 }
@@ -155,7 +155,7 @@ fn sample_type(kind: u16) -> Result<Number> {
         _ if kind == 0x20 | UNSIGNED => Number::U32,
         _ if kind == 0x80 | UNSIGNED => Number::U64,
         _ if kind & COMPLEX != 0 => {
-            return Err(Error::failed("holds complex numbers", "choose an image of heights"));
+            return Err(Error::input("holds complex numbers", "choose an image of heights"));
         }
         _ => return Err(damaged(format!("its samples have the unknown type {kind:#x}"))),
     })

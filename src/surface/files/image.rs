@@ -61,7 +61,7 @@ pub fn write(path: &Path, field: &HeightField) -> Result<f64> {
     let (low, high) = field.range();
     let full_height = high - low;
     if !full_height.is_finite() {
-        return Err(Error::failed("the heights are too far apart for a number", "scale them down"));
+        return Err(Error::input("the heights are too far apart for a number", "scale them down"));
     }
     // Dividing first keeps the product finite and the highest height exactly at the largest code.
     let code = |h: &f64| ((h - low) / full_height * LARGEST_CODE).round() as u16;
@@ -72,13 +72,12 @@ pub fn write(path: &Path, field: &HeightField) -> Result<f64> {
     };
     let (columns, rows) = (field.columns() as u32, field.rows() as u32); // at most MAX_SIDE
     let picture = image::ImageBuffer::from_raw(columns, rows, codes)
-        .ok_or_else(|| Error::failed("the heights do not fill their grid", "report this"))?;
+        .ok_or_else(|| Error::bug("the heights do not fill their grid"))?;
     let picture = DynamicImage::ImageLuma16(picture);
     output::write_atomically(path, |file| {
         picture.write_to(file, format).map_err(|e| match e {
-            ImageError::IoError(e) => output::write_failed(path, &e),
-            e => Error::failed(format!("cannot write: {e}"), "report this as a bug of diffract")
-                .at(path.display()),
+            ImageError::IoError(e) => output::write_failed(path, e),
+            e => Error::bug(format!("cannot write: {e}")).caused_by(e).at(path.display()),
         })
     })?;
     Ok(full_height)
@@ -110,14 +109,13 @@ pub fn is_tiff(bytes: &[u8]) -> bool {
 fn decode(bytes: &[u8]) -> Result<(ImageFormat, DynamicImage)> {
     let reader = Cursor::new(bytes);
     if is_tiff(bytes) {
-        let decoder = codecs::tiff::TiffDecoder::new(reader).map_err(|e| explain(&e))?;
+        let decoder = codecs::tiff::TiffDecoder::new(reader).map_err(explain)?;
         return Ok((ImageFormat::Tiff, decode_with(decoder)?));
     }
     if !bytes.starts_with(PNG_MAGIC) {
-        return Err(Error::failed("is neither a PNG nor a TIFF image", EXPORT_GREY));
+        return Err(Error::input("is neither a PNG nor a TIFF image", EXPORT_GREY));
     }
-    let decoder =
-        codecs::png::PngDecoder::with_limits(reader, limits(DECODER_ROOM)).map_err(|e| explain(&e))?;
+    let decoder = codecs::png::PngDecoder::with_limits(reader, limits(DECODER_ROOM)).map_err(explain)?;
     Ok((ImageFormat::Png, decode_with(decoder)?))
 }
 
@@ -130,15 +128,15 @@ fn decode_with(mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
         return Err(float_colours());
     }
     if matches!(decoder.original_color_type(), ExtendedColorType::Cmyk8 | ExtendedColorType::Cmyk16) {
-        return Err(Error::failed("holds printing colours (CMYK), not heights", EXPORT_GREY));
+        return Err(Error::input("holds printing colours (CMYK), not heights", EXPORT_GREY));
     }
     let decoded = decoder.total_bytes();
     let heights = u64::from(columns) * u64::from(rows) * size_of::<f64>() as u64;
     memory::ensure_room(decoded.saturating_add(heights), &format!("an image of {columns} x {rows} pixels"))?;
-    let orientation = decoder.orientation().map_err(|e| explain(&e))?;
+    let orientation = decoder.orientation().map_err(explain)?;
     // Decoders count the picture's buffer too, twice if they convert it.
-    decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(|e| explain(&e))?;
-    let mut image = DynamicImage::from_decoder(decoder).map_err(|e| explain(&e))?;
+    decoder.set_limits(limits(decoded.saturating_mul(2) + DECODER_ROOM)).map_err(explain)?;
+    let mut image = DynamicImage::from_decoder(decoder).map_err(explain)?;
     image.apply_orientation(orientation);
     Ok(image)
 }
@@ -180,7 +178,7 @@ fn shares<S: IntegerSample>(
         }
         let codes: Vec<String> = pixel[..colours].iter().map(|&c| c.into().to_string()).collect();
         let (column, row) = (i % columns as usize, i / columns as usize);
-        Err(Error::failed(
+        Err(Error::input(
             format!("the pixel at column {column}, row {row} is coloured ({})", codes.join(", ")),
             "a height image is grey; ".to_owned() + EXPORT_GREY,
         ))
@@ -208,29 +206,30 @@ impl IntegerSample for u16 {
 }
 
 fn float_colours() -> Error {
-    Error::failed("holds colours in 32-bit floats, which are no heights", "export the heights as one channel")
+    Error::input("holds colours in 32-bit floats, which are no heights", "export the heights as one channel")
 }
 
 fn too_large(what: &str) -> Error {
-    Error::failed(format!("{what} are more than {MAX_SIDE} on a side"), "crop it or average it down")
+    Error::input(format!("{what} are more than {MAX_SIDE} on a side"), "crop it or average it down")
 }
 
 /// Converts a decoder's message into an error of this program.
-fn explain(cause: &ImageError) -> Error {
-    match cause {
-        ImageError::Unsupported(_) => Error::failed(format!("cannot be used: {cause}"), EXPORT_GREY),
+fn explain(cause: ImageError) -> Error {
+    let error = match &cause {
+        ImageError::Unsupported(_) => Error::input(format!("cannot be used: {cause}"), EXPORT_GREY),
         ImageError::Limits(e) if matches!(e.kind(), LimitErrorKind::DimensionError) => {
             too_large("its pixels")
         }
         ImageError::Limits(_) => {
-            Error::failed("takes more memory to decode than its pixels explain", "save the image again")
+            Error::input("takes more memory to decode than its pixels explain", "save the image again")
         }
-        ImageError::IoError(e) => Error::failed(
+        ImageError::IoError(e) => Error::input(
             format!("is cut short or cannot be read: {}", error::cause(e)),
             "save or copy the image again",
         ),
-        _ => Error::failed(format!("is damaged: {cause}"), "save or copy the image again"),
-    }
+        _ => Error::input(format!("is damaged: {cause}"), "save or copy the image again"),
+    };
+    error.caused_by(cause)
 }
 
 #[cfg(test)]

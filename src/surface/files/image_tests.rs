@@ -268,14 +268,14 @@ fn wrong_names_lengths_and_places_leave_nothing_behind() {
     let folder = folder();
     let field = lopsided();
     for name in ["a.jpg", "a", "png"] {
-        assert_eq!(write(&folder.path().join(name), &field).unwrap_err().exit_code(), 2);
+        assert_eq!(write(&folder.path().join(name), &field).unwrap_err().kind(), error::ErrorKind::Usage);
     }
     assert!(write(&folder.path().join("no/a.png"), &field).is_err());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     let path = folder.path().join("a.png");
     write(&path, &field).unwrap();
     for full_height in [f64::NAN, f64::INFINITY, -1.0] {
-        assert_eq!(read(&path, PIXEL, full_height).unwrap_err().exit_code(), 2);
+        assert_eq!(read(&path, PIXEL, full_height).unwrap_err().kind(), error::ErrorKind::Usage);
     }
     assert!(read(&path, [0.0, 1.0], 1.0).is_err());
 }

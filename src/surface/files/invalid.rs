@@ -17,7 +17,7 @@ pub const METHOD: &str =
 pub fn fill(samples: &mut [f64], columns: usize, missing: usize) -> Result<()> {
     let count = samples.len();
     if missing as f64 > MOST * count as f64 {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("{missing} of {count} samples were not measured, more than half"),
             "cut out the measured part with the instrument's software",
         ));
@@ -29,7 +29,7 @@ pub fn fill(samples: &mut [f64], columns: usize, missing: usize) -> Result<()> {
         let mean = |i: &usize| Some((*i, mean_around(samples, columns, *i)?));
         let known: Vec<(usize, f64)> = rim.iter().filter_map(mean).collect();
         if known.is_empty() {
-            return Err(Error::failed("no sample of it was measured", "choose another channel or file"));
+            return Err(Error::input("no sample of it was measured", "choose another channel or file"));
         }
         for (i, mean) in &known {
             samples[*i] = *mean;

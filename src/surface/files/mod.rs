@@ -101,14 +101,14 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     let at = |e: Error| e.at(path.display());
     let length = file.metadata().map_or(0, |m| m.len());
     if length == 0 {
-        return Err(at(Error::failed("is empty", "save the file again")));
+        return Err(at(Error::input("is empty", "save the file again")));
     }
     memory::ensure_room(length, "the file").map_err(at)?;
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     // The file may grow while it is read, so the limit applies to the read bytes as well.
-    file.take(MAX_FILE)
-        .read_to_end(&mut bytes)
-        .map_err(|e| at(Error::failed(format!("cannot be read: {}", error::cause(&e)), "check the disk")))?;
+    file.take(MAX_FILE).read_to_end(&mut bytes).map_err(|e| {
+        at(Error::files(format!("cannot be read: {}", error::cause(&e)), "check the disk").caused_by(e))
+    })?;
     Ok(bytes)
 }
 
@@ -153,7 +153,7 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
     }
     // Text has no magic bytes, and no NUL.
     if bytes.contains(&0) {
-        return Err(Error::failed("is of no known format", format!("give {KNOWN}")));
+        return Err(Error::input("is of no known format", format!("give {KNOWN}")));
     }
     if extension == "xyz" { xyz::read(bytes) } else { text::read(bytes) }
 }

@@ -29,12 +29,12 @@ const WIDE_SAMPLES: u32 = 0x0920_0000;
 /// A header without images; fewer samples than the header promises; force curves.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if bytes.starts_with(FORCE_MAGIC) {
-        return Err(Error::failed("holds force curves and no image", "choose an image file"));
+        return Err(Error::input("holds force curves and no image", "choose an image file"));
     }
     let header = NanoscopeHeader::parse(bytes)?;
     let images = || header.sections.iter().filter(|s| s.is_image());
     if images().next().is_none() {
-        return Err(Error::failed("holds no image", "choose a file with an image in it"));
+        return Err(Error::input("holds no image", "choose a file with an image in it"));
     }
     let channels = images().map(|image| (image.name(), channel(bytes, &header, image)));
     Scan::of_readable("Nanoscope", channels.collect())
@@ -42,11 +42,11 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 
 fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Result<Channel<'a>> {
     let (columns, lines) = counts(image)?;
-    let rows = measured(image, lines);
+    let rows = measured(image, lines)?;
     let size = size(columns, rows.end - rows.start)?;
     let place = image.count("data offset")?;
-    let length = image.count("data length").unwrap_or(u64::MAX);
-    let declared = image.count("bytes/pixel").unwrap_or(2);
+    let length = image.optional_count("data length")?.unwrap_or(u64::MAX);
+    let declared = image.optional_count("bytes/pixel")?.unwrap_or(2);
     let stored = sample_type(header.version, declared, length, columns.saturating_mul(lines))?;
     let valid = sample_type(header.version, declared, length, size[0] as u64 * size[1] as u64)?;
     // A file of a stopped scan stores either all lines or only the measured ones.
@@ -74,18 +74,18 @@ fn channel<'a>(bytes: &'a [u8], header: &NanoscopeHeader, image: &Section) -> Re
 fn counts(image: &Section) -> Result<(u64, u64)> {
     let columns = image.count("samps/line")?;
     let second = || image.text("samps/line")?.split_whitespace().nth(1)?.parse().ok();
-    let rows = image.count("number of lines").ok().or_else(second);
+    let rows = image.optional_count("number of lines")?.or_else(second);
     Ok((columns, rows.ok_or_else(|| damaged("`Number of lines` is missing"))?))
 }
 
 /// Returns the lines that were measured: all, or those of a scan that was stopped.
-fn measured(image: &Section, lines: u64) -> Range<u64> {
-    let count = image.count("valid data len y").ok().filter(|n| (1..lines).contains(n));
-    let start = image.count("valid data start y").unwrap_or(0);
-    match count {
+fn measured(image: &Section, lines: u64) -> Result<Range<u64>> {
+    let count = image.optional_count("valid data len y")?.filter(|n| (1..lines).contains(n));
+    let start = image.optional_count("valid data start y")?.unwrap_or(0);
+    Ok(match count {
         Some(count) if start.saturating_add(count) <= lines => start..start + count,
         _ => 0..lines,
-    }
+    })
 }
 
 fn sample_type(version: Option<u32>, declared: u64, length: u64, count: u64) -> Result<Number> {

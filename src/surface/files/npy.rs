@@ -92,7 +92,7 @@ fn sample_type(descr: &str) -> Result<(Number, Order)> {
 }
 
 fn not_real(what: &str) -> Error {
-    Error::failed(format!("holds {what} and no plain numbers"), "save heights in metres as float64")
+    Error::input(format!("holds {what} and no plain numbers"), "save heights in metres as float64")
 }
 
 /// Parses the rows and columns.
@@ -103,7 +103,7 @@ fn shape(text: &str) -> Result<[u64; 2]> {
     let sides: Vec<u64> = sides.collect::<std::result::Result<_, _>>().map_err(damaged)?;
     match sides[..] {
         [rows, columns] => Ok([rows, columns]),
-        _ => Err(Error::failed(
+        _ => Err(Error::input(
             format!("holds an array of shape ({inner}), no image"),
             "save an array of rows and columns",
         )),

@@ -74,7 +74,7 @@ impl ParkHeader {
         /// Value of `image type` for a line profile.
         const LINE_PROFILE: u32 = 1;
         if cursor.u32()? == LINE_PROFILE {
-            return Err(Error::failed("holds a line profile and no image", "choose an image file"));
+            return Err(Error::input("holds a line profile and no image", "choose an image file"));
         }
         let name = cursor.wide_text(32)?;
         cursor.wide_text(8)?; // mode

@@ -112,14 +112,14 @@ impl<'a> Scan<'a> {
 /// An empty or oversized grid.
 pub fn size(columns: u64, rows: u64) -> Result<[usize; 2]> {
     if columns == 0 || rows == 0 {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("the scan is empty ({columns} x {rows})"),
             "choose a file with at least one sample",
         ));
     }
     match (usize::try_from(columns), usize::try_from(rows)) {
         (Ok(columns), Ok(rows)) if columns <= MAX_SIDE && rows <= MAX_SIDE => Ok([columns, rows]),
-        _ => Err(Error::failed(
+        _ => Err(Error::input(
             format!("{columns} x {rows} samples are more than {MAX_SIDE} on a side"),
             "crop it or average it down",
         )),

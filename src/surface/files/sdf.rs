@@ -24,7 +24,7 @@ struct SdfHeader {
 impl SdfHeader {
     fn size(&self) -> Result<[usize; 2]> {
         if self.compression != 0 {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "is compressed, in a way that no standard describes",
                 "save it uncompressed",
             ));
@@ -134,7 +134,7 @@ fn text_header(entries: &[(String, String)]) -> Result<SdfHeader> {
     Ok(SdfHeader {
         counts: [whole("NumPoints")?, whole("NumProfiles")?],
         scales: [number("Xscale")?, number("Yscale")?, number("Zscale")?],
-        compression: whole("Compression").unwrap_or(0),
+        compression: if value("Compression").is_ok() { whole("Compression")? } else { 0 },
     })
 }
 

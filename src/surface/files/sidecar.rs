@@ -46,15 +46,19 @@ impl Sidecar {
     /// Parses the scales in `text`; `None` if it is about something else, such as a scene.
     ///
     /// # Errors
-    /// A scale that is no length, or an entry beside the scales.
+    /// A scale that is no length, an entry beside the scales, or scales in a text that is no TOML.
     pub fn parse(text: &str) -> Result<Option<Self>> {
-        let table = text.parse::<toml::Table>().unwrap_or_default();
-        let ours = table.contains_key("pixel_size") || table.contains_key("height");
-        if !ours || table.contains_key("mesh") {
+        const SCALES: [&str; 2] = ["pixel_size", "height"];
+        let is_ours = match text.parse::<toml::Table>() {
+            Ok(table) => SCALES.iter().any(|name| table.contains_key(*name)) && !table.contains_key("mesh"),
+            // Damaged: ours if a line of it gives a scale; what is wrong is told below.
+            Err(_) => text.lines().any(|line| SCALES.iter().any(|name| line.trim_start().starts_with(name))),
+        };
+        if !is_ours {
             return Ok(None);
         }
         let file: SidecarFields = toml::from_str(text).map_err(|e| {
-            Error::failed(e.message().to_owned(), "write pixel_size and height, as in \"10nm\"")
+            Error::input(e.message().to_owned(), "write pixel_size and height, as in \"10nm\"").caused_by(e)
         })?;
         Ok(Some(Self {
             pixel_size: file.pixel_size.as_deref().map(units::length_pair).transpose()?,
@@ -75,6 +79,7 @@ mod tests {
         assert_eq!(Sidecar::parse("name = 3\n").unwrap(), None);
         assert_eq!(Sidecar::parse("no toml").unwrap(), None);
         assert!(Sidecar::parse("pixel_size = \"10\"\n").is_err());
+        assert!(Sidecar::parse("pixel_size = 10nm\n").is_err());
         assert!(Sidecar::parse("pixel_size = \"10nm\"\ncolour = 1\n").is_err());
     }
 

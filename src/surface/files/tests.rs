@@ -31,7 +31,7 @@ fn a_scale_that_is_missing_is_asked_for() {
     let matrix = b"1e-9 2e-9\n3e-9 4e-9\n";
     let said = |e: Result<Topography>| {
         let e = e.unwrap_err();
-        assert_eq!(e.exit_code(), 2);
+        assert_eq!(e.kind(), error::ErrorKind::Usage);
         e.remedies().to_vec()
     };
     assert_eq!(said(from_bytes(matrix, "txt", &ReadSettings::default())), [Remedy::PixelSize]);

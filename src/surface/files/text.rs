@@ -29,7 +29,7 @@ const WYKO_MAGIC: &[u8] = b"Wyko ASCII";
 /// Those of [`table::parse`]; too many numbers on a side.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if bytes.starts_with(WYKO_MAGIC) {
-        return Err(Error::failed(
+        return Err(Error::input(
             "is a Wyko ASCII file, whose blocks are not read",
             "export it as .sur, .x3p or a plain matrix of heights",
         ));
@@ -40,7 +40,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let TextTable { columns, mut numbers, head, titled } = table;
     if titled {
-        return Err(Error::failed(
+        return Err(Error::input(
             "is a table with named columns and no matrix",
             "write a line for each row of heights",
         ));
@@ -64,7 +64,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 
 /// Returns the grid of points that a table of three columns may be, one at every node. No matrix of heights is such a grid by chance.
 fn points(table: &TextTable) -> Option<Scan<'static>> {
-    let mut scan = xyz::grid(table).ok()?;
+    let mut scan = xyz::grid(table).ok()?; // no grid: a matrix of three columns
     let [columns, rows] = scan.channels.first()?.size;
     if columns < 2 || rows < 2 || columns * rows * 3 != table.numbers.len() {
         return None;

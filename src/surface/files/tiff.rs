@@ -35,30 +35,32 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     if let Some(scan) = park::read(bytes)? {
         return Ok(scan);
     }
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(|e| explain(&e))?;
-    if decoder.find_tag(Tag::Unknown(JPK_WIDTH)).ok().flatten().is_some() {
-        return Err(Error::failed(
+    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(explain)?;
+    if decoder.find_tag(Tag::Unknown(JPK_WIDTH)).map_err(explain)?.is_some() {
+        return Err(Error::input(
             "is a scan of JPK's microscopes, whose channels are not read",
             "export the height as .gsf or .txt with Gwyddion, or as text with JPK's own program",
         ));
     }
     let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
-    if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten() == Some(white_is_zero)
+    if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(explain)?
+        == Some(white_is_zero)
     {
-        return Err(Error::failed(
+        return Err(Error::input(
             "counts from white (WhiteIsZero)",
             "save it with black as the lowest value",
         ));
     }
     let more = decoder.more_images();
-    let (columns, rows) = decoder.dimensions().map_err(|e| explain(&e))?;
+    let (columns, rows) = decoder.dimensions().map_err(explain)?;
     let size = size(u64::from(columns), u64::from(rows))?;
     let distances = distances(&mut decoder);
     let orientation = orientation(&mut decoder);
     let distances = if turned(orientation) { [distances[1], distances[0]] } else { distances };
     let grey = matches!(decoder.colortype(), Ok(ColorType::Gray(8 | 16 | 32 | 64)));
-    let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).ok().flatten().unwrap_or_default();
-    let bits = decoder.find_tag_unsigned_vec::<u16>(Tag::BitsPerSample).ok().flatten().unwrap_or_default();
+    let formats =
+        decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).map_err(explain)?.unwrap_or_default();
+    let bits = decoder.find_tag_unsigned_vec::<u16>(Tag::BitsPerSample).map_err(explain)?.unwrap_or_default();
     /// Value of SampleFormat for unsigned integers; the default.
     const UNSIGNED: u16 = 1;
     let unsigned = formats.first().is_none_or(|f| *f == UNSIGNED);
@@ -106,7 +108,7 @@ fn image_j(text: &str, key: &str) -> Option<String> {
 
 /// Returns the description of the image; empty if there is none.
 fn description(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
-    decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default()
+    decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default() // most files have none
 }
 
 /// Returns the unit of the samples: that of ImageJ's description, else metres.
@@ -115,20 +117,21 @@ fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
 }
 
 /// Converts the decoder's message into an error of this program.
-fn explain(cause: &TiffError) -> Error {
-    match cause {
+fn explain(cause: TiffError) -> Error {
+    let error = match &cause {
         TiffError::UnsupportedError(_) => {
-            Error::failed(format!("cannot be used: {cause}"), "export it as grey TIFF without compression")
+            Error::input(format!("cannot be used: {cause}"), "export it as grey TIFF without compression")
         }
         TiffError::LimitsExceeded => {
-            Error::failed("takes more memory to decode than its pixels explain", "save the image again")
+            Error::input("takes more memory to decode than its pixels explain", "save the image again")
         }
-        TiffError::IoError(e) => Error::failed(
+        TiffError::IoError(e) => Error::input(
             format!("is cut short or cannot be read: {}", error::cause(e)),
             "save or copy the image again",
         ),
-        _ => damaged(cause),
-    }
+        _ => damaged(&cause),
+    };
+    error.caused_by(cause)
 }
 
 /// Decodes all samples, integers as shares of their largest code. Returns that code as well; infinity for floating-point numbers.
@@ -142,7 +145,7 @@ fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> 
     limits.decoding_buffer_size = count * WIDEST;
     limits.intermediate_buffer_size = count * WIDEST + length;
     limits.ifd_value_size = length;
-    let samples = decoder.with_limits(limits).read_image().map_err(|e| explain(&e))?;
+    let samples = decoder.with_limits(limits).read_image().map_err(explain)?;
     let all = |samples: Vec<f64>, largest: f64| {
         let scaled = |x: f64| if largest.is_finite() { x / largest } else { x };
         (samples.into_iter().map(scaled).collect::<Vec<f64>>(), largest)
@@ -251,7 +254,7 @@ pub fn write(scan: &Topography, notes: &Notes, file: &mut (impl Write + Seek)) -
     };
     write().map_err(|e: TiffError| {
         let cause = if let TiffError::IoError(e) = &e { error::cause(e) } else { e.to_string() };
-        Error::failed(format!("cannot write: {cause}"), "check the free space")
+        Error::files(format!("cannot write: {cause}"), "check the free space").caused_by(e)
     })
 }
 

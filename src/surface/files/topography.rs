@@ -91,10 +91,10 @@ impl Topography {
         };
         let missing = samples.iter().filter(|x| x.is_nan()).count();
         if missing == samples.len() {
-            return Err(Error::failed("no sample of it was measured", "choose another channel or file"));
+            return Err(Error::input("no sample of it was measured", "choose another channel or file"));
         }
         if samples.iter().any(|x| !x.is_nan() && !(x * unit).is_finite()) {
-            return Err(Error::failed(
+            return Err(Error::input(
                 "its heights are too large for numbers",
                 "check the scale of the heights",
             ));

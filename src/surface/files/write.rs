@@ -72,21 +72,21 @@ pub fn rounding(format: ScanFormat, scan: &Topography) -> f64 {
 /// Heights that the format cannot hold; a place that cannot be written to.
 pub fn write(path: &Path, format: ScanFormat, scan: &Topography, command: String) -> Result<()> {
     if format.is_single() && scan.metres().any(|h| h.abs() > f64::from(f32::MAX)) {
-        return Err(Error::failed(
+        return Err(Error::limit(
             "a height is too large for 32-bit floats",
             "write .gwy, .npy, .txt or .x3p",
         ));
     }
     let (missing, [columns, rows]) = (scan.missing(), scan.size());
     if format == ScanFormat::Gwyddion && missing > 0 {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!("{missing} of {} samples were not measured, for which .gwy has no mark", columns * rows),
             "write .gsf, .npy, .tif, .txt or .x3p",
         ));
     }
     let notes = Notes::new(command, scan.prepared());
     output::write_atomically(path, |file| {
-        let failed = |e: std::io::Error| output::write_failed(path, &e);
+        let failed = |e: std::io::Error| output::write_failed(path, e);
         match format {
             ScanFormat::Gsf => gsf::write(scan, &notes, file).map_err(failed),
             ScanFormat::Gwyddion => gwy::write(scan, &notes, file).map_err(failed),

@@ -34,7 +34,7 @@ const MAIN: &str = "main.xml";
 /// # Errors
 /// A zip of something else; a description without sizes; data of another size than the description says.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| unzip(&e))?;
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(unzip)?;
     let main = main_name(&archive)?;
     let folder = main[..main.len() - MAIN.len()].to_owned();
     let xml = decode_text(&member(&mut archive, &main, MAX_TEXT)?);
@@ -132,7 +132,7 @@ impl X3pHeader {
         let number = |name: &str, entry: &str| axis(name, entry).and_then(|text| text.parse::<f64>().ok());
         for name in ["CX", "CY"] {
             if axis(name, "AxisType").is_some_and(|kind| kind != "I") {
-                return Err(Error::failed(
+                return Err(Error::input(
                     "holds points that are no regular grid",
                     "interpolate them to a grid first",
                 ));
@@ -237,8 +237,8 @@ fn listed(root: Node, header: &X3pHeader, count: usize) -> Result<Vec<f64>> {
         let last = text.rsplit(';').next().unwrap_or_default().trim();
         samples.push(match last.parse::<f64>() {
             Ok(x) => x * header.scale[0] + header.scale[1],
-            Err(_) if last.is_empty() => f64::NAN,
-            Err(_) => return Err(damaged(format!("`{last}` is no height"))),
+            Err(_) if last.is_empty() => f64::NAN, // a sample that was not measured
+            Err(e) => return Err(damaged(format!("`{last}` is no height")).caused_by(e)),
         });
     }
     if samples.len() != count {
@@ -254,7 +254,7 @@ fn main_name(archive: &ZipArchive<Cursor<&[u8]>>) -> Result<String> {
     let names = archive.file_names().filter_map(|name| name.ok()).map(|name| with_slashes(&name));
     let found = names.filter(|name| is_main(name)).min_by_key(|name| (name.matches('/').count(), name.len()));
     found.ok_or_else(|| {
-        Error::failed(
+        Error::input(
             "is a zip without main.xml, so no X3P",
             "unpack it, and choose the file with the heights",
         )
@@ -270,21 +270,22 @@ fn with_slashes(name: &str) -> String {
 fn member<R: Read + Seek>(archive: &mut ZipArchive<R>, name: &str, most: u64) -> Result<Vec<u8>> {
     let names = archive.file_names().filter_map(|name| name.ok());
     let stored = names.map(|stored| stored.into_owned()).find(|stored| with_slashes(stored) == name);
-    let file = archive.by_name(stored.as_deref().unwrap_or(name)).map_err(|e| unzip(&e).at(name))?;
+    let file = archive.by_name(stored.as_deref().unwrap_or(name)).map_err(|e| unzip(e).at(name))?;
     memory::ensure_room(file.size().min(most), &format!("the file {name} in it"))?;
     let mut content = Vec::new();
-    file.take(most).read_to_end(&mut content).map_err(|e| damaged(e).at(name))?;
+    file.take(most).read_to_end(&mut content).map_err(|e| damaged(&e).caused_by(e).at(name))?;
     Ok(content)
 }
 
-fn unzip(e: &ZipError) -> Error {
-    match e {
-        ZipError::FileNotFound => Error::failed("is not in the zip", "save or copy the file again"),
+fn unzip(e: ZipError) -> Error {
+    let error = match &e {
+        ZipError::FileNotFound => Error::input("is not in the zip", "save or copy the file again"),
         ZipError::UnsupportedArchive(what) => {
-            Error::failed(format!("cannot be unpacked: {what}"), "pack it again, without a password")
+            Error::input(format!("cannot be unpacked: {what}"), "pack it again, without a password")
         }
         other => damaged(other),
-    }
+    };
+    error.caused_by(e)
 }
 
 /// Writes `scan` as float64 in metres, NaN for samples that were not measured, and `notes` as a comment of its second record.

@@ -28,7 +28,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 /// See [`read`].
 pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
     if table.columns != 3 {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("has {} numbers a line", table.columns),
             "write x, y and height a line",
         ));
@@ -49,7 +49,7 @@ pub fn grid(table: &TextTable) -> Result<Scan<'static>> {
         let (column, up) = (x.index(point[0])?, y.index(point[1])?);
         let i = (size[1] - 1 - up) * size[0] + column;
         if std::mem::replace(&mut met[i], true) {
-            return Err(Error::failed("has two points at one place", "write every point of the grid once"));
+            return Err(Error::input("has two points at one place", "write every point of the grid once"));
         }
         samples[i] = point[2];
     }
@@ -106,7 +106,7 @@ impl XyzAxis {
 }
 
 fn no_grid() -> Error {
-    Error::failed("holds points that are no regular grid", "interpolate them to a grid first")
+    Error::input("holds points that are no regular grid", "interpolate them to a grid first")
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ impl Crop {
         };
         if first + kept > count as f64 {
             let [width, height] = field.patch_size().map(about);
-            return Err(Error::failed(
+            return Err(Error::input(
                 format!("the field of {width} x {height} does not hold the rectangle"),
                 "give a smaller one",
             ));

@@ -16,7 +16,7 @@ pub(super) fn apply(field: &HeightField, spacing: [f64; 2]) -> Result<HeightFiel
     let patch = field.patch_size();
     let wanted = [0, 1].map(|axis| (patch[axis] / spacing[axis]).round().max(1.0));
     if wanted.iter().any(|n| *n > MAX_SIDE as f64) {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!("{} x {} samples are more than {MAX_SIDE} on a side", wanted[0], wanted[1]),
             "give a larger distance between samples",
         ));

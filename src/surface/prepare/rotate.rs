@@ -45,7 +45,7 @@ impl Rotation {
             Self::By(angle) => Ok(angle),
             Self::Auto => {
                 let across = statistics::wave_vector(field)?.ok_or_else(|| {
-                    Error::failed("no grooves stand out of the spectrum", "give the angle, as in 30deg")
+                    Error::input("no grooves stand out of the spectrum", "give the angle, as in 30deg")
                 })?;
                 let direction = across[1].atan2(across[0]).to_degrees();
                 // To the nearest axis: at most an eighth of a turn.

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 pub(super) fn apply(field: &HeightField, length: f64) -> Result<HeightField> {
     let [width, height] = field.patch_size();
     if 2.0 * length > width.min(height) {
-        return Err(Error::failed(
+        return Err(Error::input(
             format!("the edges overlap on a field of {} x {}", about(width), about(height)),
             "give at most half of the shorter side",
         ));

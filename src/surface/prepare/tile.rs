@@ -55,7 +55,7 @@ impl fmt::Display for Tile {
 fn mirrored(field: &HeightField) -> Result<HeightField> {
     let (columns, rows) = (field.columns(), field.rows());
     if 2 * columns.max(rows) > MAX_SIDE {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!("the mirrored field has more than {MAX_SIDE} samples on a side"),
             [Remedy::BlendTile, Remedy::Words("crop the field before".into())],
         ));
@@ -106,7 +106,7 @@ fn overlap(width: Option<f64>, n: usize, spacing: f64) -> Result<usize> {
     if 2 * samples <= n {
         return Ok(samples);
     }
-    Err(Error::failed(
+    Err(Error::input(
         format!("the blended part is more than half of {}", about(n as f64 * spacing)),
         "give a shorter one",
     ))

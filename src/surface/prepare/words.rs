@@ -217,7 +217,7 @@ mod tests {
             "tile mirror:5um",
         ] {
             let e = PreparationStep::parse(text).unwrap_err();
-            assert_eq!(e.exit_code(), 2, "{text}");
+            assert_eq!(e.kind(), crate::error::ErrorKind::Usage, "{text}");
             assert!(e.to_string().contains("; "), "{text}: {e}");
         }
     }

@@ -288,7 +288,10 @@ mod tests {
     fn a_patch_without_room_for_a_pit_and_a_land_is_refused() {
         let short = Spec { patch: Some([9.0, 0.9]), ..Spec::new(SurfaceKind::Cd) };
         let e = generate(&short).unwrap_err();
-        assert!(e.exit_code() == 2 && e.to_string().contains("a pit and a land"), "{e}");
+        assert!(
+            e.kind() == crate::error::ErrorKind::Usage && e.to_string().contains("a pit and a land"),
+            "{e}"
+        );
         assert!(generate(&Spec { patch: Some([9.0, 1.7]), ..short }).is_ok());
         assert!(generate(&Spec { period: Some(200.0), ..Spec::new(SurfaceKind::Dvd) }).is_err());
     }

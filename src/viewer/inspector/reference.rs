@@ -65,10 +65,11 @@ impl DirectionReference {
             }
         };
         std::thread::Builder::new().name("inspector".to_owned()).spawn(work).map_err(|e| {
-            Error::failed(
+            Error::memory(
                 format!("the system refuses a thread: {}", error::cause(&e)),
                 "close other programs",
             )
+            .caused_by(e)
         })?;
         Ok(Self { readings, task })
     }

@@ -253,7 +253,8 @@ impl ViewerWindow {
         };
         if let Err(e) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
             let error =
-                Error::failed(format!("the system refuses a thread: {}", error::cause(&e)), "try again");
+                Error::memory(format!("the system refuses a thread: {}", error::cause(&e)), "try again")
+                    .caused_by(e);
             self.model.report(Concern::Setting, &error);
         }
         self.window.request_redraw();

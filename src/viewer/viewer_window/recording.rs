@@ -34,7 +34,7 @@ impl ViewerWindow {
         };
         let folder = save::free_folder(Path::new(""));
         if let Err(e) = std::fs::create_dir(&folder) {
-            return self.model.report(Concern::Picture, &output::write_failed(&folder, &e));
+            return self.model.report(Concern::Picture, &output::write_failed(&folder, e));
         }
         let count = self.model.turntable.max(1);
         let sequence = Sequence { motion: Motion::Turntable, count, frames: 0..count };

@@ -74,7 +74,7 @@ pub fn rounding_bound(x: f64, roundoff: f64) -> f64 {
 pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
     let rounding = rounding_bound(x, roundoff);
     if rounding > tolerance {
-        return Err(Error::failed(
+        return Err(Error::limit(
             format!(
                 "the Taylor expansion cannot reach {tolerance:.1e} here: its terms grow to e^{x:.1} = {:.1e} before they \
                  cancel, and 32-bit floats leave {rounding:.1e} of that",
@@ -90,7 +90,7 @@ pub fn terms_for(x: f64, tolerance: f64, roundoff: f64) -> Result<usize> {
             return Ok(terms);
         }
     }
-    Err(Error::failed(
+    Err(Error::limit(
         format!("no number of Taylor terms leaves room for rounding within {tolerance:.1e}"),
         [Remedy::OptimalBasis, Remedy::LargerTolerance],
     ))

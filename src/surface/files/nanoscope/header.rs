@@ -110,6 +110,14 @@ impl Section {
         word.parse().map_err(|_| damaged(format!("`{key}: {text}` is no count")))
     }
 
+    /// Returns the whole number of `key`; `None` if it is missing.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn optional_count(&self, key: &str) -> Result<Option<u64>> {
+        self.text(key).map(|_| self.count(key)).transpose()
+    }
+
     /// Returns the image's name, as in the instrument's software.
     pub fn name(&self) -> String {
         let text = self.numbered("image data").or_else(|| self.text("image data")).unwrap_or("image");
