@@ -9,7 +9,8 @@ use std::time::Duration;
 fn main() -> Result<()> {
     let seconds = std::env::args().nth(1).and_then(|text| text.parse().ok());
     let field = synth::generate(&Spec::new(SurfaceKind::Elaphe))?;
-    let task = Task::reporting(|progress| println!("{}: {} of {}", progress.stage, progress.done, progress.of));
+    let task =
+        Task::reporting(|progress| println!("{}: {} of {}", progress.stage, progress.done, progress.of));
     // A task is cancelled from any thread: here by a clock, in a program by a button.
     if let Some(seconds) = seconds {
         let task = task.clone();
@@ -20,7 +21,7 @@ fn main() -> Result<()> {
     }
     let settings = PowerSettings::new(20.0 / 4.0, Beyond::Copies, 1e-3);
     match OrderSeries::new(&field, &settings, &task) {
-        Ok(series) => println!("a series of {} terms", series.terms()),
+        Ok(series) => println!("a series of {} terms", series.terms),
         Err(error) if error.is_cancelled() => println!("cancelled"),
         Err(error) => return Err(error),
     }

@@ -1,7 +1,8 @@
 //! Measures the error of the picture shown: random pixels against the f64 reference.
 
 use super::prepared::Prepared;
-use crate::error::{self, Error, Result};
+use super::threads;
+use crate::error::Result;
 use crate::measure::error::{PixelErrors, sample};
 use crate::render::directions::Directions;
 use crate::render::frame::View;
@@ -111,13 +112,7 @@ impl ErrorProbe {
                 reply(errors.map(ProbeStatus::Done));
             }
         };
-        std::thread::Builder::new().name("reference".to_owned()).spawn(work).map_err(|e| {
-            Error::memory(
-                format!("the system refuses a thread: {}", error::cause(&e)),
-                "close other programs",
-            )
-            .caused_by(e)
-        })?;
+        threads::spawn("reference", work)?;
         Ok(Self { task })
     }
 }

@@ -53,6 +53,7 @@ mod worker;
 
 #[cfg(test)]
 mod hand;
+mod threads;
 #[cfg(test)]
 pub(crate) use panel::rows::ALL as ROWS;
 pub use start::{CommandLine, LastView, Output, SceneFiles, Start};

@@ -3,7 +3,8 @@
 use super::frame::FrameRequest;
 use super::frame_renderer::FrameRenderer;
 use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply};
-use crate::error::{self, Error, Result};
+use super::threads;
+use crate::error::Result;
 use crate::vk::device::Device;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -23,13 +24,7 @@ impl RenderThread {
         let queue = Arc::<JobQueue>::default();
         let (tasks, device) = (queue.clone(), device.clone());
         let work = move || FrameRenderer::new(device).run(&tasks, &reply);
-        let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(work).map_err(|e| {
-            Error::memory(
-                format!("the system refuses a thread: {}", error::cause(&e)),
-                "close other programs",
-            )
-            .caused_by(e)
-        })?;
+        let thread = threads::spawn("pictures", work)?;
         Ok(Self { queue, thread: Some(thread) })
     }
 

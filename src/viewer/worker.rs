@@ -2,7 +2,8 @@
 
 use super::frame::LoadedScene;
 use super::prepared::{Prepared, ROLES, Role};
-use crate::error::{self, Error, Result};
+use super::threads;
+use crate::error::{Error, Result};
 use crate::filter::FootprintSizes;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::render::frame::View;
@@ -198,13 +199,7 @@ impl Worker {
         };
         let reply: Arc<Reply> = Arc::new(reply);
         let work = move || preparer.run(&requests, &reply);
-        let thread = std::thread::Builder::new().name("layers".to_owned()).spawn(work).map_err(|e| {
-            Error::memory(
-                format!("the system refuses a thread: {}", error::cause(&e)),
-                "close other programs",
-            )
-            .caused_by(e)
-        })?;
+        let thread = threads::spawn("layers", work)?;
         Ok(Self { queue, thread: Some(thread) })
     }
 

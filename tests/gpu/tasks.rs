@@ -60,7 +60,8 @@ fn rough() -> HeightField {
 }
 
 fn pairs() -> Vec<Pair> {
-    let view = |i: usize| direction(80.0 * (i as f64 * 0.618_034).fract(), 360.0 * (i as f64 * 0.414_214).fract());
+    let view =
+        |i: usize| direction(80.0 * (i as f64 * 0.618_034).fract(), 360.0 * (i as f64 * 0.414_214).fract());
     (0..DIRECTIONS).map(|i| Pair::new(direction(30.0, 0.0), view(i))).collect()
 }
 
@@ -112,7 +113,8 @@ fn pictures_and_measurements_end_when_they_are_cancelled() {
     let view = View::of(&scene, vec![Light::point(40.0, -97.0, 1.0)]);
     with_device(|device| {
         let source = Source::ClassicalGrating(ClassicalGrating::default());
-        let mut renderer = crate::renderer_of(device, &scene, &source, &Optics::default(), [320, 240]).unwrap();
+        let mut renderer =
+            crate::renderer_of(device, &scene, &source, &Optics::default(), [320, 240]).unwrap();
         let sampling = Sampling { count: 1 << 16, seed: 0 };
         let shown = Shown::plain(0.0, glam::DVec3::ZERO);
         ends_when_cancelled("a picture", |task| renderer.render(&view, &sampling, shown, task));

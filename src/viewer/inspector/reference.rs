@@ -2,11 +2,12 @@
 //! settings change.
 
 use super::reading::{LightAt, Reading};
-use crate::error::{self, Error, Result};
+use crate::error::Result;
 use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::render::reference_picture::PixelReference;
 use crate::task::{Progress, Task};
 use crate::viewer::prepared::Prepared;
+use crate::viewer::threads;
 use glam::DVec3;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -64,13 +65,7 @@ impl DirectionReference {
                 next = answer(reading, &queue, &reply);
             }
         };
-        std::thread::Builder::new().name("inspector".to_owned()).spawn(work).map_err(|e| {
-            Error::memory(
-                format!("the system refuses a thread: {}", error::cause(&e)),
-                "close other programs",
-            )
-            .caused_by(e)
-        })?;
+        threads::spawn("inspector", work)?;
         Ok(Self { readings, task })
     }
 

@@ -1,7 +1,7 @@
 //! One-off actions of the user: reset, open, save, measure.
 
 use super::{PendingSave, Tried, ViewerWindow};
-use crate::error::{self, Error, Result};
+use crate::error::Result;
 use crate::scene::Scene;
 use crate::surface::SurfaceSource;
 use crate::surface::synth::SurfaceKind;
@@ -14,6 +14,7 @@ use crate::viewer::guesses::Scale;
 use crate::viewer::job_queue::Job;
 use crate::viewer::model::{Actions, Concern, SaveAs, SavingProgress};
 use crate::viewer::start::Output;
+use crate::viewer::threads;
 use crate::viewer::view_settings::ViewSettings;
 use crate::viewer::{orbit, save};
 use std::path::{Path, PathBuf};
@@ -251,10 +252,7 @@ impl ViewerWindow {
         let work = move || {
             let _ = proxy.send_event(work()); // fails after the end of the event loop
         };
-        if let Err(e) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
-            let error =
-                Error::memory(format!("the system refuses a thread: {}", error::cause(&e)), "try again")
-                    .caused_by(e);
+        if let Err(error) = threads::spawn(name, work) {
             self.model.report(Concern::Setting, &error);
         }
         self.window.request_redraw();
