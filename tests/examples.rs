@@ -172,6 +172,16 @@ fn a_surface_of_one_s_own_sends_each_wavelength_where_the_grating_equation_says(
 
 #[cfg(feature = "vulkan")]
 #[test]
+fn work_tells_how_far_it_is_and_ends_when_it_is_cancelled() {
+    let whole = run("progress", &[]);
+    let told = whole.lines().filter(|line| line.starts_with("orders: ")).count();
+    assert!(told > 10 && whole.lines().last().unwrap().starts_with("a series of "), "{whole}");
+    let cancelled = run("progress", &[Path::new("0")]);
+    assert_eq!(cancelled.lines().last(), Some("cancelled"), "{cancelled}");
+    assert!(cancelled.lines().count() < told);
+}
+
+#[test]
 fn a_picture_is_the_one_that_the_program_draws() {
     let folder = tempfile::tempdir().unwrap();
     let [by_example, by_program] = ["example.png", "program.png"].map(|name| folder.path().join(name));

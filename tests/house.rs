@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 29] = [
+const FLOORS: [(&str, &[&str]); 30] = [
     ("error", &[]),
     ("filter", &[]),
     ("units", &["error"]),
@@ -21,19 +21,23 @@ const FLOORS: [(&str, &[&str]); 29] = [
     ("vk", &["error", "memory"]),
     ("surface", SMALL),
     ("cache", &["surface", "error", "memory", "output"]),
-    ("optics", &["surface", "error", "fft_size", "input", "memory", "output", "random", "units"]),
-    ("scene", &["optics", "surface", "error", "input", "memory", "output", "random", "units"]),
+    ("optics", &["surface", "error", "task", "fft_size", "input", "memory", "output", "random", "units"]),
+    ("scene", &["optics", "surface", "error", "task", "input", "memory", "output", "random", "units"]),
     ("budget", &["filter"]),
     ("tolerance", &["error"]),
+    ("task", &["error"]),
     (
         "spectra",
         &[
-            "budget", "optics", "cache", "surface", "error", "fft_size", "input", "memory", "output",
+            "budget", "optics", "cache", "surface", "error", "task", "fft_size", "input", "memory", "output",
             "random", "units",
         ],
     ),
-    ("brdf", &["spectra", "budget", "filter", "optics", "surface", "error", "memory"]),
-    ("table", &["spectra", "budget", "brdf", "filter", "cache", "optics", "surface", "error", "memory"]),
+    ("brdf", &["spectra", "budget", "filter", "optics", "surface", "error", "task", "memory"]),
+    (
+        "table",
+        &["spectra", "budget", "brdf", "filter", "cache", "optics", "surface", "error", "task", "memory"],
+    ),
     ("settings", &["budget", "table", "spectra", "optics", "surface", "error"]),
     (
         "export",
@@ -48,6 +52,7 @@ const FLOORS: [(&str, &[&str]); 29] = [
             "optics",
             "surface",
             "error",
+            "task",
             "input",
             "memory",
             "notes",
@@ -60,7 +65,7 @@ const FLOORS: [(&str, &[&str]); 29] = [
         "render",
         &[
             "settings", "budget", "vk", "table", "brdf", "spectra", "scene", "filter", "optics", "surface",
-            "error", "input", "memory", "output", "random",
+            "error", "task", "input", "memory", "output", "random",
         ],
     ),
     ("picture_file", &["render", "error", "notes", "output"]),
@@ -80,13 +85,14 @@ const FLOORS: [(&str, &[&str]); 29] = [
             "optics",
             "surface",
             "error",
+            "task",
             "tolerance",
         ],
     ),
     (
         "measure",
         &[
-            "settings", "budget", "setup", "render", "table", "spectra", "optics", "error", "input",
+            "settings", "budget", "setup", "render", "table", "spectra", "optics", "error", "task", "input",
             "memory", "output", "random", "units",
         ],
     ),
@@ -107,6 +113,7 @@ const FLOORS: [(&str, &[&str]); 29] = [
             "optics",
             "surface",
             "error",
+            "task",
             "input",
             "memory",
             "notes",
@@ -138,6 +145,7 @@ const FLOORS: [(&str, &[&str]); 29] = [
             "surface",
             "files",
             "error",
+            "task",
             "input",
             "memory",
             "notes",
