@@ -45,7 +45,7 @@ pub struct Presenter {
     swapchain: Option<Swapchain>,
     outdated: bool,
     mode: vk::PresentModeKHR,
-    // Of the window [pixels].
+    // Size of the window [pixels].
     size: [u32; 2],
     surface: Arc<Surface>,
     window: Arc<Window>,

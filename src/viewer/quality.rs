@@ -137,7 +137,7 @@ mod tests {
         control.set_fps(2.0);
         assert_eq!(control.moving(), Quality::COARSEST, "at a quarter it would take 1.2 s");
         // The machine is busy no more.
-        (0..8).for_each(|_| control.record(Quality::COARSEST, 5.0, false));
+        (0..16).for_each(|_| control.record(Quality::COARSEST, 5.0, false));
         assert_eq!(control.moving(), preview(1), "about 0.4 s");
     }
 

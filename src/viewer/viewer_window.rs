@@ -189,7 +189,7 @@ pub struct ViewerWindow {
     last: LastView,
     proxy: EventLoopProxy<Event>,
     device: Arc<Device>,
-    // Of the window [pixels].
+    // Size of the window [pixels].
     size: [u32; 2],
     window: Arc<Window>,
 }

@@ -134,11 +134,18 @@ struct RefusedText {
     value: f64,
 }
 
+/// Number of the pass in which Escape ended the editing of a field. The toolkit would apply the text in the next one.
+#[derive(Clone, Copy)]
+struct CancelledPass(u64);
+
 impl Widget for NumberField<'_> {
     fn ui(self, ui: &mut Ui) -> Response {
         let Self { drag, form, prefix } = self;
         let id = ui.next_auto_id();
         let refused: Option<RefusedText> = ui.data(|data| data.get_temp(id));
+        let pass = ui.ctx().cumulative_pass_nr();
+        let cancelled: Option<CancelledPass> = ui.data(|data| data.get_temp(id));
+        let was_cancelled = cancelled.is_some_and(|cancelled| pass <= cancelled.0 + 1);
         let (shown, value) = (RefCell::new(String::new()), Cell::new(0.0));
         // The error of a finished text, or none of one that is accepted.
         let finished = RefCell::new(None);
@@ -154,8 +161,8 @@ impl Widget for NumberField<'_> {
             text
         });
         let drag = drag.custom_parser(|text| {
-            // What is shown is rounded: leaving it as it is changes nothing.
-            if refused.is_none() && text == *shown.borrow() {
+            // The shown text is rounded, so that leaving it as it is changes nothing.
+            if was_cancelled || refused.is_none() && text == *shown.borrow() {
                 return None;
             }
             let parsed = form.parse(text);
@@ -171,14 +178,17 @@ impl Widget for NumberField<'_> {
         };
         let response = ui.add(drag);
         *ui.visuals_mut() = outside;
-        let cancelled = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
+        let cancels = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
+        if cancels {
+            ui.data_mut(|data| data.insert_temp(id, CancelledPass(pass)));
+        }
         match finished.into_inner() {
             Some(Some((text, why))) => {
                 let refused = RefusedText { text, why, value: value.get() };
                 ui.data_mut(|data| data.insert_temp(id, refused));
             }
             Some(None) => forget(ui, id),
-            None if cancelled || refused.as_ref().is_some_and(|refused| refused.value != value.get()) => {
+            None if cancels || refused.as_ref().is_some_and(|refused| refused.value != value.get()) => {
                 forget(ui, id);
             }
             None => {}
@@ -299,7 +309,9 @@ mod tests {
         }
         // Escape leaves the old value.
         hand.click(at);
+        hand.write("90");
         hand.key(Key::Escape);
+        assert!((nanometres(&hand)[0] - 70.0).abs() < 1e-9);
         assert!(!hand.reads("3mm") && !hand.says("write 1 to") && !hand.model.actions.close);
         type_in(&mut hand, at, "banana");
         // The other field keeps the focus that it takes from a refused one.
