@@ -170,12 +170,13 @@ impl Widget for NumberField<'_> {
             parsed.ok()
         });
         let outside = ui.visuals().clone();
-        let drag = if refused.is_some() {
+        if refused.is_some() {
             redden(ui);
-            drag
-        } else {
-            drag.prefix(prefix).suffix(form.suffix)
-        };
+        }
+        // An empty text would be a part of the field, too.
+        let is_shown = |text: &str| refused.is_none() && !text.is_empty();
+        let drag = if is_shown(prefix) { drag.prefix(prefix) } else { drag };
+        let drag = if is_shown(form.suffix) { drag.suffix(form.suffix) } else { drag };
         let response = ui.add(drag);
         *ui.visuals_mut() = outside;
         let cancels = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
