@@ -15,7 +15,7 @@ fn option(remedy: &Remedy) -> Cow<'_, str> {
         Remedy::LargerTolerance => "ask for a larger --tolerance",
         Remedy::SmallerPicture => "ask for a smaller --size",
         Remedy::AllWindows => "use --windows all",
-        Remedy::OneWindow => "use --windows 1x1",
+        Remedy::OneWindow => "use --windows 1x1 --method spectral",
         Remedy::SpectralMethod => "use --method spectral",
         Remedy::TableMethod => "use --method table",
         Remedy::UnlimitedTheory => "use --theory stam, which has no limit of energy",
