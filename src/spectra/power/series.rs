@@ -1,6 +1,6 @@
 //! The power of every order over z², as a Chebyshev series in z.
 
-use super::chebyshev::{coefficients_from_values, nodes, polynomials};
+use super::chebyshev::{ChebyshevTransform, nodes, polynomials};
 use super::orders::{OrderGrid, OrderPowers, Transform};
 use super::{Beyond, Blur};
 use crate::budget::ErrorBudget;
@@ -148,21 +148,18 @@ impl OrderSeries {
             let orders = coefficients.par_chunks_exact_mut(terms).zip(&at.powers);
             orders.for_each(|(order, power)| order[j] = (power * scale) as f32);
         }
-        let matrix = coefficients_from_values(terms);
-        let from_values = |values: &[f64], out: &mut dyn FnMut(usize, f64)| {
-            for (k, row) in matrix.iter().enumerate() {
-                out(k, row.iter().zip(values).map(|(m, v)| m * v).sum());
-            }
-        };
+        let transform = ChebyshevTransform::new(terms);
         let values = specular.clone();
-        from_values(&values, &mut |k, a| specular[k] = a);
-        coefficients.par_chunks_exact_mut(terms).for_each_init(
-            || vec![0.0; terms],
-            |values, order| {
-                values.iter_mut().zip(&*order).for_each(|(value, v)| *value = f64::from(*v));
-                from_values(values, &mut |k, a| order[k] = a as f32);
+        transform.apply(values.into_iter(), &mut transform.scratch(), |k, a| specular[k] = a);
+        coefficients.par_chunks_exact_mut(terms).try_for_each_init(
+            || (transform.scratch(), vec![0f32; terms]),
+            |(scratch, values), order| {
+                task.check()?;
+                values.copy_from_slice(order);
+                transform.apply(values.iter().map(|v| f64::from(*v)), scratch, |k, a| order[k] = a as f32);
+                Ok(())
             },
-        );
+        )?;
         let [dx, dy] = field.pixel_size();
         Ok(Self {
             grid,
