@@ -31,6 +31,44 @@ pub fn colours(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
     (difference / b.iter().flat_map(|b| (0..3).map(|c| square(b[c]))).sum::<f64>()).sqrt()
 }
 
+/// Returns true for a quarter of the pixels of a picture of `size`, for comparisons of sums over neighbouring pixels: diagonal bands 8 pixels wide and 24
+/// apart, the middle of one of which runs through the centre.
+pub fn is_compared(pixel: usize, [width, height]: [u32; 2]) -> bool {
+    const WIDTH: i64 = 8;
+    const PERIOD: i64 = 32;
+    let [width, height, pixel] = [width.into(), height.into(), pixel as i64];
+    let from_centre = pixel % width + pixel / width - (width + height) / 2;
+    (from_centre + WIDTH / 2).rem_euclid(PERIOD) < WIDTH
+}
+
+/// Returns those of `pixels` of a picture.
+pub fn at(pixels: &[usize], picture: &[[f32; 4]]) -> Vec<[f32; 4]> {
+    pixels.iter().map(|&pixel| picture[pixel]).collect()
+}
+
+/// Returns the picture with the colours of `pixels` alone: all others are black, and covered as they were.
+pub fn only(pixels: &[usize], picture: &[[f32; 4]]) -> Vec<[f32; 4]> {
+    let mut rest: Vec<[f32; 4]> = picture.iter().map(|pixel| [0.0, 0.0, 0.0, pixel[3]]).collect();
+    pixels.iter().for_each(|&pixel| rest[pixel] = picture[pixel]);
+    rest
+}
+
+#[test]
+fn a_quarter_of_a_picture_is_compared_in_each_of_its_parts() {
+    for size in [[48, 36], [64, 48], [60, 45]] {
+        let [width, height] = size.map(|n: u32| n as usize);
+        let compared: Vec<usize> = (0..width * height).filter(|pixel| is_compared(*pixel, size)).collect();
+        let share = compared.len() as f64 / (width * height) as f64;
+        assert!(
+            (0.22..0.34).contains(&share) && is_compared(height / 2 * width + width / 2, size),
+            "{share}"
+        );
+        // Each row and each column has some.
+        assert!((0..height).all(|y| compared.iter().any(|pixel| pixel / width == y)));
+        assert!((0..width).all(|x| compared.iter().any(|pixel| pixel % width == x)));
+    }
+}
+
 #[test]
 fn the_measures_see_a_change_of_one_direction_and_of_one_channel() {
     let b = vec![1.0, 0.5, 1e-3, 2.0];
