@@ -4,15 +4,14 @@ use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::lights::{across_the_edge, floor_below_a_roof};
 use crate::mean::{optics, source};
-use crate::measure::{colours, only};
+use crate::measure::{at, colours, compared};
 use crate::shared;
-use diffract::measure::error::sample;
 use diffract::optics::color::Tone;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::{covered, displayed_of};
+use diffract::render::reference_picture::displayed_of;
 use diffract::render::renderer::{PictureRequest, RendererSettings};
 use diffract::render::sampling::Sampling;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -189,8 +188,6 @@ fn the_edge_of_a_lamp_s_shadow_is_as_soft_as_the_lamp_is_wide() {
 
 #[test]
 fn pictures_under_a_lamp_are_those_of_the_reference() {
-    /// Of some 7500 pixels that the sphere covers.
-    const SHADED: usize = 1500;
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = ["sphere:0.4:0.5,-2,2", "rectangle:1x0.3:-2,0,1.5"].map(|text| Light::parse(text).unwrap());
@@ -200,14 +197,15 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
         let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, [160, 120]).unwrap();
         let mut found = new(&probe);
-        let drawn = Sampling { count: 16, seed: 3 }.sample(6);
-        let seen = [0, 1].map(|light| found.directions_of(&view, light, &drawn).unwrap());
-        let pixels = sample(&covered(&seen), SHADED);
-        let exact = shared::picture_at(&pixels, (&field, &optics), &view, &seen);
+        let sample = Sampling { count: 16, seed: 3 }.sample(6);
+        let seen = [0, 1].map(|light| found.directions_of(&view, light, &sample).unwrap());
         let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let mut renderer = new(&source);
-        renderer.draw_sample(&view, &drawn, SHOWN).unwrap();
-        let error = colours(&only(&pixels, &renderer.read_back().unwrap().radiance), &exact);
+        renderer.draw_sample(&view, &sample, SHOWN).unwrap();
+        let picture = renderer.read_back().unwrap().radiance;
+        let pixels = compared(&picture, [160, 120]);
+        let exact = shared::picture_at(&pixels, (&field, &optics), &view, &seen);
+        let error = colours(&at(&pixels, &picture), &at(&pixels, &exact));
         eprintln!("a sphere below two lamps: {error:.4}");
         assert!(error < 0.02, "{error}");
     });

@@ -3,17 +3,15 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
-use crate::measure::only;
+use crate::measure::{at, compared};
 use crate::shared;
 use diffract::filter::FootprintSizes;
-use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::xyz_to_linear_srgb;
 use diffract::optics::spectrum::Illuminant;
 use diffract::render::frame::{Shown, View};
 use diffract::render::object::{ObjectSource, ObjectSources, ObjectTextures, objects};
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::covered;
 use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
 use diffract::scene::{Light, Scene};
@@ -193,8 +191,6 @@ fn a_white_surface_has_the_white_of_the_light() {
 
 #[test]
 fn pictures_under_several_spectra_are_those_of_the_reference() {
-    /// Of some 1500 pixels that the sphere covers.
-    const SHADED: usize = 500;
     let field = patch(SurfaceKind::Elaphe, 10.0);
     let scene = Scene::open("sphere").unwrap();
     let lights = ["45,-40,2@a", "60,60,1", "30,170,1@led"].map(|text| Light::parse(text).unwrap());
@@ -209,10 +205,10 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
             let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let seen: Vec<_> = (0..3).map(|light| renderer.directions(&view, light).unwrap()).collect();
-            let pixels = error::sample(&covered(&seen), SHADED);
+            let pixels = compared(&picture.radiance, SIZE);
             let exact = shared::picture_at(&pixels, (&field, &optics), &view, &seen);
             let (mut difference, mut whole) = (0.0, 0.0);
-            for (found, exact) in only(&pixels, &picture.radiance).iter().zip(&exact) {
+            for (found, exact) in at(&pixels, &picture.radiance).iter().zip(&at(&pixels, &exact)) {
                 for c in 0..3 {
                     difference += f64::from(found[c] - exact[c]).powi(2);
                     whole += f64::from(exact[c]).powi(2);

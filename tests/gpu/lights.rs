@@ -3,13 +3,12 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
-use crate::measure::{colours, only};
+use crate::measure::{at, colours, compared};
 use crate::shared;
 use diffract::brdf::albedo::Decimation;
 use diffract::brdf::mean::MeanBrdf;
 use diffract::brdf::tabulated::{SummedOrders, TabulatedMean};
 use diffract::filter::{Covariance, FootprintSizes};
-use diffract::measure::error;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::{Tone, xyz_to_linear_srgb};
 use diffract::optics::geometry::{Pair, direction};
@@ -20,7 +19,6 @@ use diffract::render::directions::Directions;
 use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::covered;
 use diffract::render::sampling::Sampling;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
@@ -145,8 +143,6 @@ fn a_flat_mirror_shows_the_surroundings_in_the_mirrored_direction_from_one_sampl
 #[test]
 fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
     const SIZE: [u32; 2] = [80, 60];
-    /// Of some 1900 pixels that the sphere covers.
-    const SHADED: usize = 600;
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let optics = optics(16.0, 1.5);
     let scene = Scene::open("sphere").unwrap();
@@ -174,10 +170,12 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                 (0..lights).map(|light| renderer.directions_of(view, light, &sample).unwrap()).collect();
             let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
             assert_eq!(mirrored, 1, "the surroundings alone are mirrored");
-            let pixels = error::sample(&covered(&seen), SHADED);
-            let reference = |seen: &[Directions]| shared::picture_at(&pixels, (&field, &optics), view, seen);
+            let pixels = compared(&found, SIZE);
+            let reference = |seen: &[Directions]| {
+                at(&pixels, &shared::picture_at(&pixels, (&field, &optics), view, seen))
+            };
             let exact = reference(&seen);
-            let apart = colours(&only(&pixels, &found), &exact);
+            let apart = colours(&at(&pixels, &found), &exact);
             eprintln!("a sphere under {lights} lights: {apart:.4}");
             assert!(apart < allowed, "{lights} lights: {apart}");
             let dark: Vec<Directions> =

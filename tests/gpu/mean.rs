@@ -2,7 +2,7 @@
 
 use crate::device::with_device;
 use crate::evaluation::{colours, patch, queries};
-use crate::measure::{at, channel, is_compared, only};
+use crate::measure::{Compared, at, channel, compared};
 use crate::shared;
 use diffract::brdf::albedo::Decimation;
 use diffract::brdf::mean::MeanBrdf;
@@ -172,8 +172,6 @@ fn directions(device: &Arc<Device>, scene: &Scene, view: &View) -> Vec<Direction
 
 #[test]
 fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints() {
-    /// Of some 1200 pixels that the sphere covers.
-    const SHADED: usize = 400;
     let allowed = TABLE_OVER_FOOTPRINTS;
     let field = patch(SurfaceKind::Elaphe, 12.0);
     let scene = Scene::open("sphere").unwrap();
@@ -186,11 +184,13 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance;
-        let pixels = error::sample(&covered(&seen), SHADED);
+        let painted = paint(&view);
+        // All of them: what is allowed is what is measured.
+        let pixels: Compared = (0..painted.len()).map(|pixel| (pixel, 1.0)).collect();
         let reference = |seen: &[Directions]| shared::picture_at(&pixels, (&field, &optics), &view, seen);
-        let exact = reference(&seen);
-        let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(&only(&pixels, found), &exact, c));
-        let found = errors(&paint(&view));
+        let exact = at(&pixels, &reference(&seen));
+        let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(&at(&pixels, found), &exact, c));
+        let found = errors(&painted);
         eprintln!("pictures by a table: {found:.4?}");
         // Without footprints the reference is another picture.
         let points: Vec<Directions> =
@@ -217,8 +217,6 @@ const TABLE_OF_FRAMES: f64 = 0.039;
 
 #[test]
 fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far() {
-    /// Of the pixels that the skin covers.
-    const SHADED: usize = 600;
     // The scales are smaller than these pixels, whose footprints reach over half of all directions.
     let scene = Scene::open("skin").unwrap();
     let light = Light::point(41.0, 61.0, 1.0);
@@ -234,12 +232,12 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
         let optics = Optics { reflectance: reflectance.clone(), ..optics(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
             let seen = directions(device, &scene, &view);
-            let pixels = error::sample(&covered(&seen), SHADED);
-            let exact = shared::picture_at(&pixels, (&field, &optics), &view, &seen);
             let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
             let found = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
-            let errors = [0, 1, 2].map(|c| channel(&only(&pixels, &found), &exact, c));
+            let pixels = compared(&found, SIZE);
+            let exact = shared::picture_at(&pixels, (&field, &optics), &view, &seen);
+            let errors = [0, 1, 2].map(|c| channel(&at(&pixels, &found), &at(&pixels, &exact), c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
             assert!(errors.iter().all(|&e| e <= allowed), "{errors:?}");
         });
@@ -260,15 +258,14 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut directions = new(&probe);
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
-        let chosen = |pixel| is_compared(pixel, SIZE);
+        let source = source(device, &field, &optics, Method::Table, least);
+        let found = new(&source).render(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
+        let pixels = compared(&found, SIZE);
+        let chosen = |pixel| pixels.binary_search_by_key(&pixel, |(pixel, _)| *pixel).is_ok();
         let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &chosen };
         let reference = shared::reference(&field, &optics);
         let exact = reference_mean_of(&[&reference], &view, &samples, &mut seen, &|_, _| Ok(())).unwrap();
-        let source = source(device, &field, &optics, Method::Table, least);
-        let found = new(&source).render(&view, &sampling, shown, &mut |_| Ok(())).unwrap().radiance;
-        let pixels: Vec<usize> = (0..exact.len()).filter(|pixel| chosen(*pixel)).collect();
-        let [found, exact] = [found, exact].map(|picture| at(&pixels, &picture));
-        let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
+        let errors = [0, 1, 2].map(|c| channel(&at(&pixels, &found), &at(&pixels, &exact), c));
         eprintln!("16 samples: {errors:.4?}");
         assert!(errors.iter().all(|&e| e <= TABLE_OF_SAMPLES), "{errors:?}");
     });
