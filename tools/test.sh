@@ -21,4 +21,7 @@ export XDG_CACHE_HOME="$cache"
 # Tests of the program wait for its processes, windows and displays. More tests at once than cores keep the cores busy meanwhile.
 cores=$(getconf _NPROCESSORS_ONLN)
 export RUST_TEST_THREADS="${RUST_TEST_THREADS:-$((2 * cores))}"
+# Prints the slowest tests of each executable.
+host=$(rustc -vV | sed -n 's/^host: //p' | tr 'a-z-' 'A-Z_')
+export "CARGO_TARGET_${host}_RUNNER=$PWD/tools/timed.sh"
 cargo test --locked "$@"

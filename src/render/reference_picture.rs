@@ -358,8 +358,6 @@ pub fn reference_mean(
     directions: &mut dyn FnMut(&LightPass) -> Result<Directions>,
     task: &Task,
 ) -> Result<Vec<[f32; 4]>> {
-    let sampling = samples.sampling;
-    let count = sampling.count.max(1);
     let mut references = Vec::new();
     for &ReferenceObject { field, optics } in objects {
         let reference = match field {
@@ -368,6 +366,22 @@ pub fn reference_mean(
         };
         references.push(reference);
     }
+    reference_mean_of(&references.iter().collect::<Vec<_>>(), view, samples, directions, task)
+}
+
+/// Returns [`reference_mean`] of objects whose `references` are there already.
+///
+/// # Errors
+/// Same as [`PixelReference::colors`], or the error of `directions`.
+pub fn reference_mean_of(
+    references: &[&PixelReference],
+    view: &View,
+    samples: &ReferenceSamples<'_>,
+    directions: &mut dyn FnMut(&LightPass) -> Result<Directions>,
+    task: &Task,
+) -> Result<Vec<[f32; 4]>> {
+    let sampling = samples.sampling;
+    let count = sampling.count.max(1);
     let mut sum: Vec<DVec4> = Vec::new();
     let groups = view.schedule(sampling).groups().collect::<Vec<SampleGroup>>();
     let passes: Vec<LightPass> =

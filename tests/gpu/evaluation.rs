@@ -2,6 +2,7 @@
 
 use crate::device::with_device;
 use crate::measure::per_direction;
+use crate::shared;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::geometry::{Pair, direction};
 use diffract::optics::orders::Repeats;
@@ -10,7 +11,7 @@ use diffract::random::Random;
 use diffract::render::evaluator::{Evaluator, Query};
 use diffract::render::source::{Grating, Source};
 use diffract::settings::Optics;
-use diffract::setup::{InUse, SourceSettings, colour_limit};
+use diffract::setup::SourceSettings;
 use diffract::spectra::amplitude::expansion::Basis;
 use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
 use diffract::surface::HeightField;
@@ -80,8 +81,7 @@ pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source
 /// `source` within the limit of energy of `field` under `optics`, as the program draws it.
 pub fn limited(source: Source, field: &HeightField, optics: &Optics) -> Source {
     let settings = SourceSettings { cached: false, ..SourceSettings::new(optics.clone()) };
-    let (energy, _) = colour_limit(field, &settings, &mut InUse::default(), &Task::silent()).unwrap();
-    source.limited(energy)
+    source.limited(shared::limit(field, &settings))
 }
 
 pub fn layers(field: &HeightField, optics: &Optics) -> Layers {

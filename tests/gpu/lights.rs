@@ -3,7 +3,8 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
-use crate::measure::colours;
+use crate::measure::{at, colours, compared};
+use crate::shared;
 use diffract::brdf::albedo::Decimation;
 use diffract::brdf::mean::MeanBrdf;
 use diffract::brdf::tabulated::{SummedOrders, TabulatedMean};
@@ -18,7 +19,6 @@ use diffract::render::directions::Directions;
 use diffract::render::footprints;
 use diffract::render::frame::{Shown, View};
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::reference_picture;
 use diffract::render::sampling::Sampling;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::environment::Placement;
@@ -163,9 +163,6 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
         for (view, allowed, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
             let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
-            let reference = |seen: &[Directions]| {
-                reference_picture(&field, &optics, view, seen, &Task::silent()).unwrap()
-            };
             let source = source(device, &field, &optics, Method::Table, sizes);
             let mut renderer = crate::renderer(device, &source, &optics, mesh, &white, SIZE).unwrap();
             renderer.draw_sample(view, &sample, SHOWN).unwrap();
@@ -174,10 +171,14 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                 (0..lights).map(|light| renderer.directions_of(view, light, &sample).unwrap()).collect();
             let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
             assert_eq!(mirrored, 1, "the surroundings alone are mirrored");
+            let pixels = compared(&found, SIZE);
+            let reference = |seen: &[Directions]| {
+                at(&pixels, &shared::picture_at(&pixels, (&field, &optics), view, seen))
+            };
             let exact = reference(&seen);
-            let error = colours(&found, &exact);
-            eprintln!("a sphere under {lights} lights: {error:.4}");
-            assert!(error < allowed, "{lights} lights: {error}");
+            let apart = colours(&at(&pixels, &found), &exact);
+            eprintln!("a sphere under {lights} lights: {apart:.4}");
+            assert!(apart < allowed, "{lights} lights: {apart}");
             let dark: Vec<Directions> =
                 seen.into_iter().map(|s| Directions { mirrored: Vec::new(), ..s }).collect();
             let other = colours(&reference(&dark), &exact);

@@ -29,6 +29,7 @@ mod picture;
 mod promise;
 mod rays;
 mod repeats;
+mod shared;
 mod single_samples;
 mod tasks;
 mod thesis;

@@ -2,7 +2,8 @@
 
 use crate::device::with_device;
 use crate::evaluation::{colours, patch, queries};
-use crate::measure::channel;
+use crate::measure::{Compared, at, channel, compared};
+use crate::shared;
 use diffract::brdf::albedo::Decimation;
 use diffract::brdf::mean::MeanBrdf;
 use diffract::brdf::tabulated::{SummedOrders, TabulatedMean};
@@ -21,14 +22,12 @@ use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
 use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::{
-    PixelReference, ReferenceObject, ReferenceSamples, covered, reference_mean, reference_picture,
-};
+use diffract::render::reference_picture::{ReferenceSamples, covered, reference_mean_of};
 use diffract::render::sampling::Sampling;
 use diffract::render::source::{ClassicalGrating, Source};
 use diffract::scene::{Camera, Light, Scene};
 use diffract::settings::{Method, Optics};
-use diffract::setup::{self, InUse, SourceSettings};
+use diffract::setup::SourceSettings;
 use diffract::surface::HeightField;
 use diffract::surface::synth::SurfaceKind;
 use diffract::task::Task;
@@ -52,9 +51,7 @@ pub fn source(
 ) -> Source {
     let settings = SourceSettings::new(Optics { method, ..optics.clone() });
     let settings = SourceSettings { cached: false, footprints, ..settings };
-    setup::source(field, &settings, device.candidate(), &mut InUse::default(), &Task::silent())
-        .unwrap()
-        .source
+    shared::source(device, field, &settings)
 }
 
 fn mean(field: &HeightField, optics: &Optics) -> MeanBrdf {
@@ -188,15 +185,18 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance;
-        let exact = reference_picture(&field, &optics, &view, &seen, &Task::silent()).unwrap();
-        let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
-        let found = errors(&paint(&view));
+        let painted = paint(&view);
+        // All of them: what is allowed is what is measured.
+        let pixels: Compared = (0..painted.len()).map(|pixel| (pixel, 1.0)).collect();
+        let reference = |seen: &[Directions]| shared::picture_at(&pixels, (&field, &optics), &view, seen);
+        let exact = at(&pixels, &reference(&seen));
+        let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(&at(&pixels, found), &exact, c));
+        let found = errors(&painted);
         eprintln!("pictures by a table: {found:.4?}");
         // Without footprints the reference is another picture.
         let points: Vec<Directions> =
             seen.iter().map(|seen| Directions { footprints: Vec::new(), ..seen.clone() }).collect();
-        let sharp = reference_picture(&field, &optics, &view, &points, &Task::silent()).unwrap();
-        let without = [0, 1, 2].map(|c| channel(&sharp, &exact, c));
+        let without = errors(&reference(&points));
         let mut moved = view.clone();
         moved.lights[0] = Light::point(50.0, -40.0, 2.0);
         let wrong = errors(&paint(&moved));
@@ -233,11 +233,12 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
         let optics = Optics { reflectance: reflectance.clone(), ..optics(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
             let seen = directions(device, &scene, &view);
-            let exact = reference_picture(&field, &optics, &view, &seen, &Task::silent()).unwrap();
             let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
             let found = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
-            let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
+            let pixels = compared(&found, SIZE);
+            let exact = shared::picture_at(&pixels, (&field, &optics), &view, &seen);
+            let errors = [0, 1, 2].map(|c| channel(&at(&pixels, &found), &at(&pixels, &exact), c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
             assert!(errors.iter().all(|&e| e <= allowed), "{errors:?}");
         });
@@ -258,12 +259,14 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut directions = new(&probe);
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
-        let object = ReferenceObject { field: Some(&field), optics: &optics };
-        let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
-        let exact = reference_mean(&[object], &view, &samples, &mut seen, &Task::silent()).unwrap();
         let source = source(device, &field, &optics, Method::Table, least);
         let found = new(&source).render(&view, &sampling, shown, &Task::silent()).unwrap().radiance;
-        let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
+        let pixels = compared(&found, SIZE);
+        let chosen = |pixel| pixels.binary_search_by_key(&pixel, |(pixel, _)| *pixel).is_ok();
+        let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &chosen };
+        let reference = shared::reference(&field, &optics);
+        let exact = reference_mean_of(&[&reference], &view, &samples, &mut seen, &Task::silent()).unwrap();
+        let errors = [0, 1, 2].map(|c| channel(&at(&pixels, &found), &at(&pixels, &exact), c));
         eprintln!("16 samples: {errors:.4?}");
         assert!(errors.iter().all(|&e| e <= TABLE_OF_SAMPLES), "{errors:?}");
     });
@@ -288,7 +291,7 @@ fn a_turntable_does_not_shimmer() {
         let source = source(device, &field, &optics, Method::Table, sizes_of(&first));
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
-        let reference = PixelReference::new(&field, &optics, &Task::silent()).unwrap();
+        let reference = shared::reference(&field, &optics);
         let mut colors_of = |frame: usize| -> [Vec<DVec3>; 2] {
             let view = view_of(frame);
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;

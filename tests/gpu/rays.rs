@@ -4,7 +4,8 @@ use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::lights::floor_below_a_roof;
 use crate::mean::source;
-use crate::measure::colours;
+use crate::measure::{at, colours, compared};
+use crate::shared;
 use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::render::directions::Directions;
@@ -15,7 +16,7 @@ use diffract::render::light_passes::LightPass;
 use diffract::render::object::{ObjectData, ObjectSources};
 use diffract::render::pigment::Pigment;
 use diffract::render::rays::{RayObject, RayScene, RaySettings};
-use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
+use diffract::render::reference_picture::{ReferenceSamples, reference_mean_of};
 use diffract::render::renderer::{Renderer, RendererSettings};
 use diffract::render::sampling::Sampling;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -394,16 +395,18 @@ fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampl
         casts_shadows: true,
     }]);
     let settings = RaySettings::new(PICTURE, scene.shadows, &optics);
-    let object = ReferenceObject { field: Some(&field), optics: &optics };
-    let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &|_| true };
     let mut directions = |pass: &LightPass| Ok(rays.directions(&view, pass, &settings));
     let of_first = |light| rays.directions(&view, &LightPass::of_all(light, sampling.sample(0)), &settings);
     let sizes = sizes_of(&(0..view.light_count()).map(of_first).collect::<Vec<_>>());
-    let exact = reference_mean(&[object], &view, &samples, &mut directions, &Task::silent()).unwrap();
     let source = source(device, &field, &optics, Method::Table, sizes);
     let mut renderer = renderer_of(device, scene, &source, &optics);
-    let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
-    colours(&picture.radiance, &exact)
+    let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap().radiance;
+    let pixels = compared(&picture, PICTURE);
+    let chosen = |pixel| pixels.binary_search_by_key(&pixel, |(pixel, _)| *pixel).is_ok();
+    let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &chosen };
+    let reference = shared::reference(&field, &optics);
+    let exact = reference_mean_of(&[&reference], &view, &samples, &mut directions, &Task::silent()).unwrap();
+    colours(&at(&pixels, &picture), &at(&pixels, &exact))
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
 use crate::mean::source;
-use crate::measure::colours;
+use crate::measure::{at, colours, compared};
+use crate::shared;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::Tone;
 use diffract::optics::material::Material;
@@ -11,7 +12,7 @@ use diffract::optics::reflectance::Reflectance;
 use diffract::render::footprints::sizes_of;
 use diffract::render::frame::{Shown, View};
 use diffract::render::light_passes::LightPass;
-use diffract::render::reference_picture::{ReferenceObject, ReferenceSamples, reference_mean};
+use diffract::render::reference_picture::{ReferenceSamples, reference_mean_of};
 use diffract::render::renderer::PictureRequest;
 use diffract::render::sampling::Sampling;
 use diffract::render::source::{ClassicalGrating, Source};
@@ -61,14 +62,16 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
         let seen: Vec<_> = (0..view.light_count())
             .map(|light| found.directions_of(&view, light, &sample).unwrap())
             .collect();
-        // Whatever the wavelengths of the device.
-        let object = ReferenceObject { field: Some(&field), optics: &optics };
-        let samples = ReferenceSamples { sampling: &sampling, size, chosen: &|_| true };
-        let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
-        let exact = reference_mean(&[object], &view, &samples, &mut of_pass, &Task::silent()).unwrap();
         let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
-        let picture = new(&source).render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
-        error = colours(&picture.radiance, &exact);
+        let picture = new(&source).render(&view, &sampling, SHOWN, &Task::silent()).unwrap().radiance;
+        let pixels = compared(&picture, size);
+        let chosen = |pixel| pixels.binary_search_by_key(&pixel, |(pixel, _)| *pixel).is_ok();
+        let samples = ReferenceSamples { sampling: &sampling, size, chosen: &chosen };
+        // Whatever the wavelengths of the device.
+        let reference = shared::reference(&field, &optics);
+        let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
+        let exact = reference_mean_of(&[&reference], &view, &samples, &mut of_pass, &Task::silent()).unwrap();
+        error = colours(&at(&pixels, &picture), &at(&pixels, &exact));
     });
     error
 }

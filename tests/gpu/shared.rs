@@ -1,0 +1,93 @@
+//! Results in f64 that several tests need, each made by the first of them: references, and the limits of energy of surfaces.
+
+use crate::measure::Compared;
+use diffract::brdf::energy_map::EnergyMap;
+use diffract::render::directions::Directions;
+use diffract::render::frame::View;
+use diffract::render::reference_picture::{PixelReference, covered};
+use diffract::render::source::Source;
+use diffract::settings::Optics;
+use diffract::setup::{self, InUse, SourceSettings, colour_limit};
+use diffract::surface::HeightField;
+use diffract::task::Task;
+use diffract::vk::device::Device;
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+
+/// Values by key, each of which is made once; tests that need the same one wait for it.
+struct Shared<T>(LazyLock<Mutex<HashMap<String, Arc<Mutex<T>>>>>);
+
+impl<T: Default> Shared<T> {
+    const fn new() -> Self {
+        Self(LazyLock::new(Mutex::default))
+    }
+
+    /// Returns the value of `key`. A test that failed with it held leaves it as it was.
+    fn of(&self, key: &str) -> Arc<Mutex<T>> {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        all.entry(key.to_owned()).or_default().clone()
+    }
+}
+
+/// Data that the sources of a surface have in common, and the limits that keep it in use.
+#[derive(Default)]
+struct SurfaceData {
+    in_use: InUse,
+    limits: Vec<Arc<EnergyMap>>,
+}
+
+static KEPT: Shared<SurfaceData> = Shared::new();
+
+/// Returns all of a field in short: sides, spacings and the hash of the heights' bits.
+fn name_of(field: &HeightField) -> String {
+    let mut hash = DefaultHasher::new();
+    field.heights().iter().for_each(|height| height.to_bits().hash(&mut hash));
+    format!("{} {} {:?} {:x}", field.columns(), field.rows(), field.pixel_size(), hash.finish())
+}
+
+/// Returns the reference of `field` under `optics`, whose tolerance a reference does not know.
+pub fn reference(field: &HeightField, optics: &Optics) -> Arc<PixelReference> {
+    static REFERENCES: Shared<Option<Arc<PixelReference>>> = Shared::new();
+    let any = Optics { tolerance: 1.0, ..optics.clone() };
+    let place = REFERENCES.of(&format!("{} {any:?}", name_of(field)));
+    let mut made = place.lock().unwrap_or_else(PoisonError::into_inner);
+    let new = || Arc::new(PixelReference::new(field, &any, &Task::silent()).unwrap());
+    made.get_or_insert_with(new).clone()
+}
+
+/// Returns the reference picture of `field` for `directions`, at the `compared` pixels alone; the others are black, and covered as they are.
+pub fn picture_at(
+    compared: &Compared,
+    (field, optics): (&HeightField, &Optics),
+    view: &View,
+    directions: &[Directions],
+) -> Vec<[f32; 4]> {
+    let mut picture = vec![[0.0; 4]; directions[0].view.len()];
+    covered(directions).into_iter().for_each(|pixel| picture[pixel][3] = 1.0);
+    let shaded: Vec<usize> =
+        compared.iter().map(|(pixel, _)| *pixel).filter(|pixel| picture[*pixel][3] == 1.0).collect();
+    let colors = reference(field, optics).colors(view, 0, directions, &shaded, &Task::silent()).unwrap();
+    for (pixel, color) in shaded.into_iter().zip(colors) {
+        picture[pixel] = color.as_vec3().extend(1.0).to_array();
+    }
+    picture
+}
+
+/// Returns the source of `field` under `settings`; its orders and its limit of energy may be those of an earlier one.
+pub fn source(device: &Device, field: &HeightField, settings: &SourceSettings) -> Source {
+    let place = KEPT.of(&name_of(field));
+    let mut kept = place.lock().unwrap_or_else(PoisonError::into_inner);
+    let made = setup::source(field, settings, device.candidate(), &mut kept.in_use, &Task::silent()).unwrap();
+    kept.limits.extend(made.source.energy().cloned());
+    made.source
+}
+
+/// Returns the limit of energy of `field` for the colours of `settings`, if there is one.
+pub fn limit(field: &HeightField, settings: &SourceSettings) -> Option<Arc<EnergyMap>> {
+    let place = KEPT.of(&name_of(field));
+    let mut kept = place.lock().unwrap_or_else(PoisonError::into_inner);
+    let (limit, _) = colour_limit(field, settings, &mut kept.in_use, &Task::silent()).unwrap();
+    kept.limits.extend(limit.clone());
+    limit
+}
