@@ -43,7 +43,6 @@ mod viewer_hand;
 mod viewer_inspector;
 mod viewer_losses;
 mod viewer_panel;
-mod viewer_random;
 mod viewer_record;
 mod viewer_samples;
 mod viewer_start;
