@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
-use crate::measure::{at, colours, compared};
+use crate::measure::colours;
 use crate::shared;
 use diffract::brdf::albedo::Decimation;
 use diffract::brdf::mean::MeanBrdf;
@@ -163,6 +163,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
         for (view, allowed, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
             let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
+            let reference = |seen: &[Directions]| shared::picture((&field, &optics), view, seen);
             let source = source(device, &field, &optics, Method::Table, sizes);
             let mut renderer = crate::renderer(device, &source, &optics, mesh, &white, SIZE).unwrap();
             renderer.draw_sample(view, &sample, SHOWN).unwrap();
@@ -171,14 +172,10 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                 (0..lights).map(|light| renderer.directions_of(view, light, &sample).unwrap()).collect();
             let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
             assert_eq!(mirrored, 1, "the surroundings alone are mirrored");
-            let pixels = compared(&found, SIZE);
-            let reference = |seen: &[Directions]| {
-                at(&pixels, &shared::picture_at(&pixels, (&field, &optics), view, seen))
-            };
             let exact = reference(&seen);
-            let apart = colours(&at(&pixels, &found), &exact);
-            eprintln!("a sphere under {lights} lights: {apart:.4}");
-            assert!(apart < allowed, "{lights} lights: {apart}");
+            let error = colours(&found, &exact);
+            eprintln!("a sphere under {lights} lights: {error:.4}");
+            assert!(error < allowed, "{lights} lights: {error}");
             let dark: Vec<Directions> =
                 seen.into_iter().map(|s| Directions { mirrored: Vec::new(), ..s }).collect();
             let other = colours(&reference(&dark), &exact);

@@ -2,7 +2,7 @@
 
 use crate::device::with_device;
 use crate::evaluation::{colours, patch, queries};
-use crate::measure::{Compared, at, channel, compared};
+use crate::measure::channel;
 use crate::shared;
 use diffract::brdf::albedo::Decimation;
 use diffract::brdf::mean::MeanBrdf;
@@ -185,18 +185,15 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance;
-        let painted = paint(&view);
-        // All of them: what is allowed is what is measured.
-        let pixels: Compared = (0..painted.len()).map(|pixel| (pixel, 1.0)).collect();
-        let reference = |seen: &[Directions]| shared::picture_at(&pixels, (&field, &optics), &view, seen);
-        let exact = at(&pixels, &reference(&seen));
-        let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(&at(&pixels, found), &exact, c));
-        let found = errors(&painted);
+        let exact = shared::picture((&field, &optics), &view, &seen);
+        let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
+        let found = errors(&paint(&view));
         eprintln!("pictures by a table: {found:.4?}");
         // Without footprints the reference is another picture.
         let points: Vec<Directions> =
             seen.iter().map(|seen| Directions { footprints: Vec::new(), ..seen.clone() }).collect();
-        let without = errors(&reference(&points));
+        let sharp = shared::picture((&field, &optics), &view, &points);
+        let without = [0, 1, 2].map(|c| channel(&sharp, &exact, c));
         let mut moved = view.clone();
         moved.lights[0] = Light::point(50.0, -40.0, 2.0);
         let wrong = errors(&paint(&moved));
@@ -233,12 +230,11 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
         let optics = Optics { reflectance: reflectance.clone(), ..optics(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
             let seen = directions(device, &scene, &view);
+            let exact = shared::picture((&field, &optics), &view, &seen);
             let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
             let found = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
-            let pixels = compared(&found, SIZE);
-            let exact = shared::picture_at(&pixels, (&field, &optics), &view, &seen);
-            let errors = [0, 1, 2].map(|c| channel(&at(&pixels, &found), &at(&pixels, &exact), c));
+            let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
             eprintln!("{} under large pixels: {errors:.4?}", kind.name());
             assert!(errors.iter().all(|&e| e <= allowed), "{errors:?}");
         });
@@ -259,14 +255,12 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut directions = new(&probe);
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
+        let reference = shared::reference(&field, &optics);
+        let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
+        let exact = reference_mean_of(&[&reference], &view, &samples, &mut seen, &Task::silent()).unwrap();
         let source = source(device, &field, &optics, Method::Table, least);
         let found = new(&source).render(&view, &sampling, shown, &Task::silent()).unwrap().radiance;
-        let pixels = compared(&found, SIZE);
-        let chosen = |pixel| pixels.binary_search_by_key(&pixel, |(pixel, _)| *pixel).is_ok();
-        let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &chosen };
-        let reference = shared::reference(&field, &optics);
-        let exact = reference_mean_of(&[&reference], &view, &samples, &mut seen, &Task::silent()).unwrap();
-        let errors = [0, 1, 2].map(|c| channel(&at(&pixels, &found), &at(&pixels, &exact), c));
+        let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));
         eprintln!("16 samples: {errors:.4?}");
         assert!(errors.iter().all(|&e| e <= TABLE_OF_SAMPLES), "{errors:?}");
     });

@@ -4,7 +4,7 @@ use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::lights::floor_below_a_roof;
 use crate::mean::source;
-use crate::measure::{at, colours, compared};
+use crate::measure::colours;
 use crate::shared;
 use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::{Coherence, Windows};
@@ -395,18 +395,16 @@ fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampl
         casts_shadows: true,
     }]);
     let settings = RaySettings::new(PICTURE, scene.shadows, &optics);
+    let reference = shared::reference(&field, &optics);
+    let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &|_| true };
     let mut directions = |pass: &LightPass| Ok(rays.directions(&view, pass, &settings));
     let of_first = |light| rays.directions(&view, &LightPass::of_all(light, sampling.sample(0)), &settings);
     let sizes = sizes_of(&(0..view.light_count()).map(of_first).collect::<Vec<_>>());
+    let exact = reference_mean_of(&[&reference], &view, &samples, &mut directions, &Task::silent()).unwrap();
     let source = source(device, &field, &optics, Method::Table, sizes);
     let mut renderer = renderer_of(device, scene, &source, &optics);
-    let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap().radiance;
-    let pixels = compared(&picture, PICTURE);
-    let chosen = |pixel| pixels.binary_search_by_key(&pixel, |(pixel, _)| *pixel).is_ok();
-    let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &chosen };
-    let reference = shared::reference(&field, &optics);
-    let exact = reference_mean_of(&[&reference], &view, &samples, &mut directions, &Task::silent()).unwrap();
-    colours(&at(&pixels, &picture), &at(&pixels, &exact))
+    let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
+    colours(&picture.radiance, &exact)
 }
 
 #[test]

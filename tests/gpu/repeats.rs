@@ -3,8 +3,8 @@
 
 use crate::device::with_device;
 use crate::evaluation::{grating, limited, patch, queries};
-use crate::measure::{Compared, at, channel, compared};
-use crate::shared::picture_at;
+use crate::measure::channel;
+use crate::shared;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::nufft::cosine_weighted_xyz;
 use diffract::optics::reference::Reference;
@@ -108,25 +108,24 @@ fn pictures_meet_their_tolerance(cases: &[(SurfaceKind, f64, [u32; 2], [u32; 2])
     let scene = Scene::open("sphere").unwrap();
     let lights = vec![Light::point(45.0, -40.0, 2.0), Light::point(70.0, 60.0, 0.7)];
     let view = View::of(&scene, lights);
-    let errors = |found: &[[f32; 4]], exact: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, exact, c));
+    let errors =
+        |picture: &Picture, exact: &[[f32; 4]]| [0, 1, 2].map(|c| channel(&picture.radiance, exact, c));
     with_device(|device| {
         for &(kind, side, copies, other) in cases {
             let field = patch(kind, side);
-            let mut exact: Option<(Compared, Vec<[f32; 4]>)> = None;
+            let mut exact: Option<Vec<[f32; 4]>> = None;
             for &tolerance in tolerances {
                 let (picture, directions) = paint(device, &field, &optics(copies, tolerance), &scene, &view);
-                let (pixels, exact) = exact.get_or_insert_with(|| {
-                    let (pixels, optics) = (compared(&picture.radiance, SIZE), optics(copies, tolerance));
-                    let exact = at(&pixels, &picture_at(&pixels, (&field, &optics), &view, &directions));
-                    (pixels, exact)
+                let exact = exact.get_or_insert_with(|| {
+                    let optics = optics(copies, tolerance);
+                    shared::picture((&field, &optics), &view, &directions)
                 });
-                let errors = errors(&at(pixels, &picture.radiance), exact);
+                let errors = errors(&picture, exact);
                 eprintln!("{kind:?} through {copies:?} at {tolerance:e}: {errors:.5?}");
                 assert!(errors.iter().all(|&e| e <= tolerance), "{copies:?} at {tolerance}: {errors:?}");
             }
             let (wrong, _) = paint(device, &field, &optics(other, 1e-2), &scene, &view);
-            let (pixels, exact) = exact.unwrap();
-            let wrong = errors(&at(&pixels, &wrong.radiance), &exact);
+            let wrong = errors(&wrong, exact.as_deref().unwrap());
             assert!(wrong.iter().any(|&e| e > 2e-2), "{other:?} pass for {copies:?}: {wrong:?}");
         }
     });

@@ -1,6 +1,5 @@
 //! Results in f64 that several tests need, each made by the first of them: references, and the limits of energy of surfaces.
 
-use crate::measure::Compared;
 use diffract::brdf::energy_map::EnergyMap;
 use diffract::render::directions::Directions;
 use diffract::render::frame::View;
@@ -56,19 +55,16 @@ pub fn reference(field: &HeightField, optics: &Optics) -> Arc<PixelReference> {
     made.get_or_insert_with(new).clone()
 }
 
-/// Returns the reference picture of `field` for `directions`, at the `compared` pixels alone; the others are black, and covered as they are.
-pub fn picture_at(
-    compared: &Compared,
+/// Returns the reference picture of `field` for `directions`, one entry per light.
+pub fn picture(
     (field, optics): (&HeightField, &Optics),
     view: &View,
     directions: &[Directions],
 ) -> Vec<[f32; 4]> {
     let mut picture = vec![[0.0; 4]; directions[0].view.len()];
-    covered(directions).into_iter().for_each(|pixel| picture[pixel][3] = 1.0);
-    let shaded: Vec<usize> =
-        compared.iter().map(|(pixel, _)| *pixel).filter(|pixel| picture[*pixel][3] == 1.0).collect();
-    let colors = reference(field, optics).colors(view, 0, directions, &shaded, &Task::silent()).unwrap();
-    for (pixel, color) in shaded.into_iter().zip(colors) {
+    let pixels = covered(directions);
+    let colors = reference(field, optics).colors(view, 0, directions, &pixels, &Task::silent()).unwrap();
+    for (pixel, color) in pixels.into_iter().zip(colors) {
         picture[pixel] = color.as_vec3().extend(1.0).to_array();
     }
     picture

@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
 use crate::mean::source;
-use crate::measure::{at, colours, compared};
+use crate::measure::colours;
 use crate::shared;
 use diffract::optics::coherence::{Coherence, Windows};
 use diffract::optics::color::Tone;
@@ -62,16 +62,14 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
         let seen: Vec<_> = (0..view.light_count())
             .map(|light| found.directions_of(&view, light, &sample).unwrap())
             .collect();
-        let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
-        let picture = new(&source).render(&view, &sampling, SHOWN, &Task::silent()).unwrap().radiance;
-        let pixels = compared(&picture, size);
-        let chosen = |pixel| pixels.binary_search_by_key(&pixel, |(pixel, _)| *pixel).is_ok();
-        let samples = ReferenceSamples { sampling: &sampling, size, chosen: &chosen };
         // Whatever the wavelengths of the device.
         let reference = shared::reference(&field, &optics);
+        let samples = ReferenceSamples { sampling: &sampling, size, chosen: &|_| true };
         let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
         let exact = reference_mean_of(&[&reference], &view, &samples, &mut of_pass, &Task::silent()).unwrap();
-        error = colours(&at(&pixels, &picture), &at(&pixels, &exact));
+        let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
+        let picture = new(&source).render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
+        error = colours(&picture.radiance, &exact);
     });
     error
 }
