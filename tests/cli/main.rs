@@ -44,6 +44,7 @@ mod viewer_inspector;
 mod viewer_losses;
 mod viewer_panel;
 mod viewer_record;
+mod viewer_random;
 mod viewer_samples;
 mod viewer_start;
 mod viewer_wayland;
