@@ -1,6 +1,7 @@
 //! Warnings about the data, in sentences.
 
 use super::Statistics;
+use super::height_spectrum::analysed_part;
 use super::heights::{CORE, core_range};
 use crate::error::Result;
 use crate::surface::{HeightField, Levelling};
@@ -21,7 +22,7 @@ const UNDERSAMPLED: f64 = 0.02;
 pub fn notes(field: &HeightField, statistics: &Statistics) -> Result<Vec<String>> {
     let notes = [
         dust(statistics),
-        levelling(field, statistics)?,
+        levelling(field)?,
         quantisation(statistics),
         sampling(statistics),
         seams(statistics),
@@ -48,9 +49,10 @@ fn dust(statistics: &Statistics) -> Option<String> {
 
 /// Warns if levelling by a plane widens the height range: it narrows that of a tilted scan, unless a few samples that stand out elsewhere
 /// set the range.
-fn levelling(field: &HeightField, statistics: &Statistics) -> Result<Option<String>> {
-    let [low, high] = statistics.heights.range;
-    let levelled = field.levelled(Levelling::Plane)?;
+fn levelling(field: &HeightField) -> Result<Option<String>> {
+    let part = analysed_part(field);
+    let (low, high) = part.range();
+    let levelled = part.levelled(Levelling::Plane)?;
     let (lowest, highest) = levelled.range();
     let dusty = highest - lowest > DUSTY * core_range(levelled.heights());
     Ok((dusty && highest - lowest > RAISED * (high - low)).then(|| {
