@@ -80,6 +80,8 @@ struct Waiting {
 struct Requests {
     waiting: [Option<Waiting>; ROLES],
     running: Option<(Role, Task)>,
+    // True once the window has colours.
+    has_prepared: bool,
 }
 
 impl Requests {
@@ -123,8 +125,11 @@ impl RequestQueue {
                 return None;
             }
             // The main setting is begun before its preview, because it may be in the cache; otherwise it gives way at
-            // its first step.
-            let foremost = requests.waiting[Role::Own as usize].take_if(|waiting| !waiting.begun);
+            // its first step. The first colours of a window are the preview's: the main setting takes a second to find
+            // the footprints of its picture, by which the cache knows it.
+            let may_begin = requests.has_prepared;
+            let foremost =
+                requests.waiting[Role::Own as usize].take_if(|waiting| may_begin && !waiting.begun);
             if let Some(waiting) = foremost.or_else(|| requests.waiting.iter_mut().find_map(Option::take)) {
                 return Some(waiting.request);
             }
@@ -246,6 +251,7 @@ impl Preparer {
             match self.prepare(&request, &task, &**reply) {
                 _ if queue.is_stopped() => {}
                 Ok((prepared, note)) => {
+                    queue.requests().has_prepared = true;
                     if role == Role::Own {
                         queue.skip_preview(request.number);
                     }
