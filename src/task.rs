@@ -24,8 +24,8 @@ type Observer = dyn Fn(Progress) + Send + Sync;
 
 /// Running work, as those see it who wait for it: it reports its progress to them, and they may cancel it.
 ///
-/// Everything that may take longer than a tenth of a second takes a task. Clones are the same task: it is cancelled through any of them, from
-/// any thread. Work that is cancelled ends with an error, [`Error::is_cancelled`], when it next reports; that is some ten times a second at least.
+/// Clones are the same task: it is cancelled through any of them, from any thread. Work that is cancelled ends with an error,
+/// [`Error::is_cancelled`], when it next reports.
 #[derive(Clone, Default)]
 pub struct Task {
     observer: Option<Arc<Observer>>,

@@ -19,7 +19,8 @@ use crate::optics::geometry::Pair;
 use crate::task::Task;
 use glam::DVec3;
 
-/// Evaluation of the BRDF f of a surface, from any thread. What an answer needs beyond its directions is computed once, for the first one.
+/// Evaluation of the BRDF f of a surface, from any thread. What an answer needs beyond its directions is computed once, for the first one, while others wait: tasks of a
+/// rayon pool that ask together may wait for each other.
 pub trait Brdf: Send + Sync {
     /// Returns f \[sr⁻¹\] of every pair of directions at `wavelength` \[µm\], in order; 0 below the horizon.
     ///

@@ -110,7 +110,7 @@ fn a_profile_counts_three_samples_for_each_tap() {
 fn a_patch_that_says_little_has_no_table_alike() {
     let sandbox = Sandbox::new();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n20,0,40,180\n");
-    // What is refused is the patch, through any window and within any tolerance.
+    // The patch is refused through any window and within any tolerance.
     let quick = ["--method", "table", "--coherence", "gaussian:8um", "--tolerance", "1e-1"];
     let ask = [&["eval", "xenopeltis", "--queries", "q.csv", "--beyond", "alike"], &quick[..]].concat();
     let e = sandbox.run2(&ask, &["--crop", "0.4um"]).refused(2);
