@@ -19,6 +19,11 @@ pub struct Progress {
     pub of: usize,
 }
 
+/// Stage of work that evaluates directions.
+pub const DIRECTIONS: &str = "directions";
+/// Stage of work that computes orders.
+pub const ORDERS: &str = "orders";
+
 /// Receiver of the progress of some work.
 type Observer = dyn Fn(Progress) + Send + Sync;
 

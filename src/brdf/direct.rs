@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::optics::geometry::Pair;
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::Illuminant;
-use crate::task::Task;
+use crate::task::{DIRECTIONS, Task};
 use glam::DVec3;
 
 /// Direct sum in f64, with the illuminant of colours.
@@ -21,7 +21,7 @@ impl DirectSum {
     /// Returns what `value` gives for each of the `pairs`.
     fn each<T>(pairs: &[Pair], task: &Task, value: impl Fn(&Pair) -> Result<T>) -> Result<Vec<T>> {
         let one = |(done, pair)| {
-            task.report("directions", done, pairs.len())?;
+            task.report(DIRECTIONS, done, pairs.len())?;
             value(pair)
         };
         pairs.iter().enumerate().map(one).collect()

@@ -8,7 +8,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::filter::Covariance;
 use crate::optics::geometry::Pair;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
-use crate::task::Task;
+use crate::task::{DIRECTIONS, Task};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -184,7 +184,7 @@ impl Brdf for MeanReference {
             return spectral(&table, pairs, wavelength, &self.footprint, task);
         }
         let one = |(done, pair)| {
-            task.report("directions", done, pairs.len())?;
+            task.report(DIRECTIONS, done, pairs.len())?;
             Ok(self.mean.brdf(pair, wavelength, &self.footprint))
         };
         let values = pairs.iter().enumerate().map(one).collect::<Result<_>>()?;

@@ -8,7 +8,7 @@ use crate::optics::geometry::Pair;
 use crate::optics::theory::Theory;
 use crate::spectra::power::Beyond;
 use crate::surface::HeightField;
-use crate::task::Task;
+use crate::task::{ORDERS, Task};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -54,7 +54,7 @@ impl MeanBrdf {
             let power = match &series {
                 Some(series) if is_many => series.order_power(opposite, z),
                 _ => {
-                    task.report("orders", i, asked.len())?;
+                    task.report(ORDERS, i, asked.len())?;
                     of_copies.order_power(opposite, z)
                 }
             };

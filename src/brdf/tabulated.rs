@@ -19,15 +19,13 @@ use crate::spectra::power::{
     Transform,
 };
 use crate::surface::HeightField;
-use crate::task::Task;
+use crate::task::{DIRECTIONS, ORDERS, Task};
 use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-/// Name of the evaluation in reports of progress.
-const DIRECTIONS: &str = "directions";
 /// Nodes in z in addition to those required by the height range: the interpolation error falls below 1e-8 on every
 /// surface of the tests.
 const MORE_NODES: usize = 16;
@@ -120,7 +118,7 @@ impl TabulatedMean {
         let transform = Transform::new(field, grid, beyond);
         transform.ensure_room()?;
         let series = OrderSeries::with_terms(&transform, &settings, terms, task)?;
-        task.report("orders", terms, terms)?;
+        task.report(ORDERS, terms, terms)?;
         Ok(Self { mean, sampling, series, pyramid: OnceLock::new(), limit: None })
     }
 

@@ -12,6 +12,7 @@ use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
 use crate::render::evaluator::Query;
 use crate::setup::SourceSettings;
+use crate::task::DIRECTIONS;
 use clap::Args;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -87,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let groups = table.by_wavelength();
     prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
-        let bar = ProgressBar::over("directions", "a file of fewer queries", table.queries.len());
+        let bar = ProgressBar::over(DIRECTIONS, "a file of fewer queries", table.queries.len());
         for (wavelength, places) in &groups {
             let pairs: Vec<Pair> = places.iter().map(|&place| table.queries[place].pair).collect();
             let found = evaluation::ask(brdf, &pairs, *wavelength, &bar)?;

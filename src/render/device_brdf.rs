@@ -10,7 +10,7 @@ use crate::optics::geometry::Pair;
 use crate::optics::orders::{ColourFunctions, Repeats};
 use crate::optics::quadrature::Wavelengths;
 use crate::settings::Optics;
-use crate::task::Task;
+use crate::task::{DIRECTIONS, Task};
 use crate::vk::device::Device;
 use glam::DVec3;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -129,7 +129,7 @@ impl PeriodicFactor {
             let single = |q: f64| Query { pair, wavelength: Some(1.0 / q) };
             asked.extend(wavenumbers.into_iter().zip(weights).map(|(q, weight)| (single(q), place, weight)));
             if asked.len() >= AT_ONCE {
-                task.report("directions", place, pairs.len())?;
+                task.report(DIRECTIONS, place, pairs.len())?;
                 add(evaluator, &mut asked, &mut sums)?;
             }
         }

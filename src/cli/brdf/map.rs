@@ -20,7 +20,7 @@ use crate::settings::Optics;
 use crate::setup::SourceSettings;
 use crate::spectra::power::Blur;
 use crate::surface::HeightField;
-use crate::task::Task;
+use crate::task::{DIRECTIONS, Task};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -59,7 +59,7 @@ impl HemisphereMap {
             parts.warn();
             let rule = gauss_legendre(parts.count);
             let directions = views(side, 0..side).count() * rule.len().pow(2) * arguments.light.len();
-            let bar = ProgressBar::over("directions", "a smaller --size", directions);
+            let bar = ProgressBar::over(DIRECTIONS, "a smaller --size", directions);
             // Figures alone say it.
             if arguments.plot.is_some() {
                 of_orders = albedo(arguments, brdf, &bar.task_of_parts())?;

@@ -12,6 +12,7 @@ use crate::optics::spectrum::{LONGEST, SHORTEST};
 use crate::settings::Optics;
 use crate::setup::SourceSettings;
 use crate::surface::HeightField;
+use crate::task::DIRECTIONS;
 use crate::vk::selection::DeviceChoice;
 use glam::{DQuat, DVec2, DVec3};
 use serde::Serialize;
@@ -77,7 +78,7 @@ impl Detector<'_> {
         prepare::for_each_window(field, &settings, wish, |brdf, share| {
             let count: usize = cones.iter().map(|cone| cone.pairs.len()).sum();
             let bar = ProgressBar::over(
-                "directions",
+                DIRECTIONS,
                 "a smaller number of readings",
                 count * (1 + self.wavelengths.len()),
             );

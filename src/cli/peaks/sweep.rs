@@ -12,6 +12,7 @@ use crate::optics::geometry::{Pair, direction};
 use crate::settings::{Method, Optics};
 use crate::setup::SourceSettings;
 use crate::surface::HeightField;
+use crate::task::DIRECTIONS;
 use std::f64::consts::PI;
 
 /// Returns the number of independent windows on `field`; `None` for a finite grating.
@@ -123,7 +124,7 @@ impl AngleSweep {
         let mut responses = Vec::with_capacity(evaluations);
         let settings = SourceSettings { shortest: wavelengths[0], ..SourceSettings::new(optics.clone()) };
         prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, _| {
-            let bar = ProgressBar::over("directions", "a range with larger steps", evaluations);
+            let bar = ProgressBar::over(DIRECTIONS, "a range with larger steps", evaluations);
             for &wavelength in &wavelengths {
                 let found = evaluation::ask(brdf, &pairs, Some(wavelength), &bar)?;
                 responses.extend(found.iter().map(|f| f.x));

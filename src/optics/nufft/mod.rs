@@ -12,7 +12,7 @@ use super::quadrature::{WavelengthSets, Wavelengths};
 use super::reference::Reference;
 use super::spectrum::{Illuminant, SHORTEST};
 use crate::error::Result;
-use crate::task::Task;
+use crate::task::{DIRECTIONS, Task};
 use basis::HeightBasis;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -20,8 +20,6 @@ use spectra::Spectra;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Name of the work in reports of progress.
-const DIRECTIONS: &str = "directions";
 /// Number of pairs between two reports of progress.
 const AT_ONCE: usize = 2048;
 /// Multiplications of the direct sum per sample of one transform in the same time.

@@ -8,7 +8,7 @@ use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::spectrum::SHORTEST;
 use crate::surface::HeightField;
-use crate::task::{Progress, Task};
+use crate::task::{ORDERS, Progress, Task};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2};
@@ -60,8 +60,6 @@ pub struct OrderSeries {
     coefficients: Vec<f32>,
 }
 
-/// Name of the work in reports of progress.
-const ORDERS: &str = "orders";
 /// Terms that vector registers take together.
 pub const TERMS_AT_ONCE: usize = 4;
 /// Largest number of terms, sufficient for heights of about 6 µm.
