@@ -13,6 +13,7 @@ pub mod budget;
 pub mod cache;
 #[cfg(feature = "vulkan")]
 pub mod cli;
+pub mod context;
 pub mod error;
 pub mod export;
 pub mod fft_size;

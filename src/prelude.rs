@@ -9,11 +9,12 @@
 //! | many colours fast | [`OrderSeries`], then [`bake`] a [`ColorTable`], then a [`TableReader`] |
 #![cfg_attr(
     feature = "vulkan",
-    doc = "| a picture | [`Device::open`], a [`Scene`], [`setup::picture`], [`picture_file::save`] |"
+    doc = "| a picture | a [`Context`], a [`Scene`], [`setup::picture`], [`picture_file::save`] |"
 )]
 
 pub use crate::brdf::mean::MeanBrdf;
 pub use crate::brdf::{Brdf, DirectSum, MeanReference};
+pub use crate::context::Context;
 pub use crate::error::{Error, Result};
 pub use crate::filter::Covariance;
 pub use crate::optics::coherence::{Beyond, Coherence, Windows};

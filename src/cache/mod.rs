@@ -26,23 +26,13 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::fs::FileTimes;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 use std::time::SystemTime;
 
-/// Default limit of the folder's size \[bytes\], 2 GiB; see [`set_limit`].
+/// Default limit of the folder's size \[bytes\], 2 GiB.
 pub const DEFAULT_LIMIT: u64 = 2 << 30;
 
 /// Permissions of cached files.
 const OWNER_ONLY: u32 = 0o600;
-
-/// Limit of this process; see [`set_limit`].
-static LIMIT: OnceLock<u64> = OnceLock::new();
-
-/// Sets the limit of every [`Store`] that this process opens from now on \[bytes\]; 0 turns the cache off. The folder and its limit belong
-/// to the process, like its environment. Only the first call counts.
-pub fn set_limit(bytes: u64) {
-    let _ = LIMIT.set(bytes); // fails at the second call
-}
 
 /// Cache folder and its limit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,9 +42,8 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens the store of this process; `None` if the limit is 0 or the user has no home.
-    pub fn open() -> Option<Self> {
-        let limit = *LIMIT.get_or_init(|| DEFAULT_LIMIT);
+    /// Returns the store of the user, which holds at most `limit` bytes; `None` if that is 0 or the user has no home.
+    pub fn of_user(limit: u64) -> Option<Self> {
         if limit == 0 {
             return None;
         }

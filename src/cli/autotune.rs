@@ -2,7 +2,6 @@
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, is_impossible};
 use super::remedies::in_options;
-use super::say;
 use crate::error::{Error, Result};
 use crate::measure::profile::measure;
 use crate::optics::coherence::Windows;
@@ -47,13 +46,13 @@ pub fn tune(fps: f64, scene: &BenchmarkScene, options: &BenchmarkOptions) -> Res
         let rate = match frame_rate(scene, &options) {
             Ok(rate) => rate,
             Err(error) if is_impossible(&error) => {
-                say(&format_args!("{flags}: not possible here ({})", in_options(&error)));
+                scene.console.say(&format_args!("{flags}: not possible here ({})", in_options(&error)));
                 refused = Some(error);
                 continue;
             }
             Err(error) => return Err(error),
         };
-        say(&format_args!("{flags}: {rate:.2} frames a second"));
+        scene.console.say(&format_args!("{flags}: {rate:.2} frames a second"));
         let setting = TunedSetting { options, flags, keeps: rate >= fps };
         if setting.keeps {
             return Ok(setting);

@@ -1,10 +1,11 @@
 //! The benchmark scene that `profile` and `trade` measure: a frame on a device, and its f64 references.
 
+use super::console::Console;
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
 };
+use super::prepare;
 use super::progress::ProgressBar;
-use super::{prepare, say};
 use crate::brdf::tabulated::ColourSampling;
 use crate::error::{Error, ErrorKind, Result};
 use crate::measure::budget::MeasuredBudget;
@@ -77,6 +78,7 @@ pub fn fps(text: &str) -> Result<f64> {
 
 /// State that all settings of a benchmark share.
 pub struct BenchmarkScene {
+    pub console: Console,
     pub device: Arc<Device>,
     pub scene: Scene,
     pub field: HeightField,
@@ -171,13 +173,13 @@ impl BenchmarkScene {
     ///
     /// # Errors
     /// One of them cannot be opened; `--method reference`.
-    pub fn open(options: &BenchmarkOptions) -> Result<Self> {
+    pub fn open(options: &BenchmarkOptions, console: &Console) -> Result<Self> {
         check_method(options)?;
-        options.optics.for_pictures(&options.colour)?;
-        let mut scene = prepare::scene(&options.scene)?;
+        options.optics.for_pictures(&options.colour, console)?;
+        let mut scene = prepare::scene(console, &options.scene)?;
         light_by(&options.light, &mut scene);
         for light in scene.lights.iter_mut().filter(|light| light.spectrum.is_some()) {
-            say(&format_args!(
+            console.say(&format_args!(
                 "the light {light} counts as light of the illuminant, as all lights that are measured do"
             ));
             light.spectrum = None;
@@ -186,10 +188,10 @@ impl BenchmarkScene {
         if !scene.lights.is_empty() {
             scene.environment = None;
         }
-        let field = options.surface.load(None, Some(&scene), "elaphe")?;
+        let field = options.surface.load(None, Some(&scene), "elaphe", console)?;
         let view = View::under(&scene, &scene.lights, &options.optics.coherence);
-        let device = prepare::device(&options.device.wish())?;
-        Ok(Self { device, scene, field, view, size: options.size })
+        let device = console.context().device()?;
+        Ok(Self { console: console.clone(), device, scene, field, view, size: options.size })
     }
 
     /// Returns the number of pixels of a picture.
@@ -202,7 +204,9 @@ impl BenchmarkScene {
     /// # Errors
     /// Options that do not go together, a file that cannot be read.
     pub fn optics(&self, options: &BenchmarkOptions) -> Result<Optics> {
-        Ok(options.optics.material_of(&self.scene, options.optics.for_pictures(&options.colour)?))
+        Ok(options
+            .optics
+            .material_of(&self.scene, options.optics.for_pictures(&options.colour, &self.console)?))
     }
 
     /// Prepares the setting of `options`.
@@ -223,7 +227,13 @@ impl BenchmarkScene {
                 &Sampling::ONE,
             )?;
         }
-        let source = prepare::source(&self.field, &settings, &self.device, &mut InUse::default())?;
+        let source = prepare::source(
+            &self.console,
+            &self.field,
+            &settings,
+            &self.device,
+            &mut InUse::of(self.console.context()),
+        )?;
         let (renderer, directions) = self.renderer(&source, &optics)?;
         Ok(Benchmark {
             renderer,
@@ -340,7 +350,7 @@ impl BenchmarkScene {
 
     /// Computes the f64 reference of `pixels`, linear sRGB; black for uncovered pixels.
     fn reference(&self, optics: &Optics, directions: &[Directions], pixels: &[usize]) -> Result<Vec<DVec3>> {
-        let bar = ProgressBar::new("reference", "a smaller number of compared pixels");
+        let bar = ProgressBar::new(&self.console, "reference", "a smaller number of compared pixels");
         let task = bar.task().named("reference");
         let is_covered = |pixel: &&usize| directions.iter().any(|seen| seen.view[**pixel][3] != 0.0);
         let seen: Vec<usize> = pixels.iter().filter(is_covered).copied().collect();

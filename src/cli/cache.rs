@@ -1,7 +1,7 @@
 //! `diffract cache`: shows and clears the cache.
 
-use super::write;
-use crate::cache::{Contents, DEFAULT_LIMIT, Store, Usage};
+use super::console::Console;
+use crate::cache::{Contents, DEFAULT_LIMIT, Usage};
 use crate::error::{Error, Result};
 use crate::memory::in_words;
 use clap::{Args, Subcommand};
@@ -25,8 +25,8 @@ enum Action {
 }
 
 /// Shows or clears the cache.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    let store = Store::open().ok_or_else(|| {
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let store = console.context().store().ok_or_else(|| {
         Error::files("there is no folder for a cache", "set XDG_CACHE_HOME or HOME to an absolute path")
     })?;
     let folder = store.folder().display();
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             format!("{folder}: {} removed, {}\n", counted(files), in_words(bytes))
         }
     };
-    write::stdout(&text)
+    console.write(&text)
 }
 
 /// Returns a line for each kind of result, and one for all.

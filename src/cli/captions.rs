@@ -1,5 +1,6 @@
 //! Settings as text for the captions of figures.
 
+use super::console::Console;
 use super::options::OpticsOptions;
 use crate::notes::Notes;
 use crate::optics::coherence::{Coherence, Windows};
@@ -11,34 +12,39 @@ use crate::settings::Method;
 use crate::surface::HeightField;
 use std::ffi::OsString;
 
-/// Returns the notes of a result of this process from `field`.
-pub fn notes(field: &HeightField) -> Notes {
-    Notes::new(own_command(), field.prepared())
+/// Returns the notes of a result of this run from `field`.
+pub fn notes(field: &HeightField, console: &Console) -> Notes {
+    Notes::new(own_command(console), field.prepared())
 }
 
-/// Returns the notes of a picture that this process draws of `field`, which reflects by `reflectance`, in light of this colour.
-pub fn picture_notes(field: &HeightField, reflectance: &Reflectance, colour: LightColour<'_>) -> Notes {
-    notes(field).with_scalar_theory(ScalarTheory::note(field, reflectance, colour))
+/// Returns the notes of a picture that this run draws of `field`, which reflects by `reflectance`, in light of this colour.
+pub fn picture_notes(
+    console: &Console,
+    field: &HeightField,
+    reflectance: &Reflectance,
+    colour: LightColour<'_>,
+) -> Notes {
+    notes(field, console).with_scalar_theory(ScalarTheory::note(field, reflectance, colour))
 }
 
-/// Returns the command of this process, as a shell takes it, without the names of results.
-pub fn own_command() -> String {
-    command(std::env::args_os(), None)
+/// Returns the command of this run, as a shell takes it, without the names of results.
+pub fn own_command(console: &Console) -> String {
+    command(console.words(), None)
 }
 
 /// Returns `notes` for picture number `frame` of a sequence, with the text `more` under the name `name`.
-pub fn notes_of_frame(notes: &Notes, frame: u32, name: &str, more: String) -> Notes {
+pub fn notes_of_frame(console: &Console, notes: &Notes, frame: u32, name: &str, more: String) -> Notes {
     let mut noted = notes.clone();
-    noted.command = command(std::env::args_os(), Some(frame));
+    noted.command = command(console.words(), Some(frame));
     noted.more.push((name.to_owned(), more));
     noted
 }
 
 /// Returns the command `words` (the program's name first), as a shell takes it, without the options that name results: the notes of a
 /// picture do not depend on the name of its file. For a sequence, the command draws picture number `frame` alone.
-fn command(words: impl IntoIterator<Item = OsString>, frame: Option<u32>) -> String {
+fn command(words: &[OsString], frame: Option<u32>) -> String {
     let mut kept = vec!["diffract".to_owned()];
-    let mut words = words.into_iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let mut words = words.iter().skip(1).map(|word| word.to_string_lossy().into_owned());
     while let Some(word) = words.next() {
         let name = word.split('=').next().unwrap_or_default();
         if ["-o", "--output", "--plot", "--json", "--spectrum", "--html", "--cache-size", "--frames"]
@@ -132,7 +138,7 @@ mod tests {
 
     #[test]
     fn the_command_of_a_picture_is_without_its_file_and_quoted() {
-        let of = |line: &str, frame| command(line.split(' ').map(OsString::from), frame);
+        let of = |line: &str, frame| command(&line.split(' ').map(OsString::from).collect::<Vec<_>>(), frame);
         let said = |line: &str| of(line, None);
         let plain = "diffract render sphere --size 8x6";
         for line in [

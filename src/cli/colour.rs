@@ -4,6 +4,7 @@ mod figure;
 mod geometry;
 pub(super) mod readings;
 
+use super::console::Console;
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions, real,
 };
@@ -141,8 +142,8 @@ struct AngleReadings<'a> {
 }
 
 /// Computes the colours and writes them.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.cache.apply();
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     let style =
         arguments.figure.style(arguments.plot.is_some(), figure::panels(arguments.spectrum.is_some()))?;
@@ -158,22 +159,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         evaluation::check_single_wavelengths(arguments.optics.method())?;
     }
     let mut readings = asked(arguments)?;
-    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe", console)?;
+    let optics = arguments.optics.for_directions(&arguments.colour, &field, console)?;
     let illuminant = optics.illuminant.clone();
     let white = illuminant.white();
     let wavelengths = if arguments.spectrum.is_some() { wavelengths() } else { Vec::new() };
     let detector = Detector { aperture: arguments.aperture, wavelengths: &wavelengths };
-    let spectra = detector.read(&mut readings, &field, optics, &arguments.device.wish())?;
+    let spectra = detector.read(&mut readings, &field, optics, console)?;
     if let Some(path) = &arguments.spectrum {
-        write::text(Some(path), &spectrum_table(&readings, &wavelengths, &spectra)?)?;
+        write::file(path, &spectrum_table(&readings, &wavelengths, &spectra)?)?;
     }
-    let notes = captions::notes(&field);
+    let notes = captions::notes(&field, console);
     if let Some(path) = &arguments.json {
         let report = AngleReadings::new(&readings, &illuminant, white, arguments.aperture);
         write::json(path, &write::with_origin(&report, &notes))?;
     }
-    write::text(arguments.output.as_deref(), &table(&readings)?)?;
+    write::result(arguments.output.as_deref(), &table(&readings)?, console)?;
     let drawn = ColourFigure {
         arguments,
         field: &field,

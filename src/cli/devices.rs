@@ -1,7 +1,8 @@
 //! `diffract devices`: lists the Vulkan devices.
 
+use super::check_validation;
+use super::console::Console;
 use super::options::DeviceOptions;
-use super::{check_validation, validation, write};
 use crate::error::Result;
 use crate::vk::instance::Instance;
 use crate::vk::selection::{candidates, choose, kind_name};
@@ -19,10 +20,11 @@ pub struct Arguments {
 }
 
 /// Lists the devices, the chosen one marked, with the reason.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    let instance = Instance::new(validation())?;
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let context = arguments.device.chosen(console).context().clone();
+    let instance = Instance::new(context.validates())?;
     let list = candidates(&instance)?;
-    let choice = choose(&list, &arguments.device.wish());
+    let choice = choose(&list, context.device_choice());
     let mut text = String::new();
     for (index, device) in list.iter().enumerate() {
         let mark = if choice.as_ref().is_ok_and(|c| c.0 == index) { '*' } else { ' ' };
@@ -42,8 +44,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             text += &format!("     cannot be used: it lacks {}\n", device.missing.join(", "));
         }
     }
-    write::stdout(&text)?;
+    console.write(&text)?;
     let (index, reason) = choice?;
-    write::stdout(&format!("chosen: {index}, {reason}\n"))?;
+    console.write(&format!("chosen: {index}, {reason}\n"))?;
     check_validation(&instance.messages())
 }

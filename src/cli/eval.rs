@@ -1,9 +1,9 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
+use super::console::Console;
 use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::progress::ProgressBar;
-use super::say;
 use super::{prepare, write};
 use crate::error::{Error, Result};
 use crate::files::Files;
@@ -56,8 +56,8 @@ pub struct Arguments {
 }
 
 /// Evaluates the queries and writes the answers.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.cache.apply();
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
     Files::new()
         .reads([&arguments.queries])
         .reads(arguments.surface.files(arguments.surface_name.as_deref()).map(Path::new))
@@ -70,8 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         check_single_wavelengths(arguments.optics.method())?;
         evaluation::check_no_spectrum(&arguments.colour)?;
     }
-    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe", console)?;
+    let optics = arguments.optics.for_directions(&arguments.colour, &field, console)?;
     let mut values = vec![DVec3::ZERO; table.queries.len()];
     let shortest =
         table.queries.iter().map(|q| q.wavelength.unwrap_or(SHORTEST)).fold(f64::INFINITY, f64::min);
@@ -82,13 +82,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let below = table.queries.iter().filter(|query| !query.pair.above_horizon()).count();
     if below > 0 {
         let all = table.queries.len();
-        say(&format_args!(
+        console.say(&format_args!(
             "{below} of {all} queries have a direction at or below the horizon (theta of 90 degrees and more): their BRDF is 0"
         ));
     }
     let groups = table.by_wavelength();
-    prepare::for_each_window(&field, &settings, &arguments.device.wish(), |brdf, share| {
-        let bar = ProgressBar::over(DIRECTIONS, "a file of fewer queries", table.queries.len());
+    prepare::for_each_window(console, &field, &settings, |brdf, share| {
+        let bar = ProgressBar::over(console, DIRECTIONS, "a file of fewer queries", table.queries.len());
         for (wavelength, places) in &groups {
             let pairs: Vec<Pair> = places.iter().map(|&place| table.queries[place].pair).collect();
             let found = evaluation::ask(brdf, &pairs, *wavelength, &bar)?;
@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         Ok(())
     })?;
-    write::text(arguments.output.as_deref(), &table.answered(&values)?)
+    write::result(arguments.output.as_deref(), &table.answered(&values)?, console)
 }
 
 /// Columns of the file, and the queries in them.

@@ -3,10 +3,11 @@
 mod page;
 
 use self::page::PageSubject;
+use super::console::Console;
 use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
 use super::progress::{LESS_WORK, ProgressBar};
-use super::{captions, prepare, write};
+use super::{captions, prepare};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
 use crate::export::page::MOST_PAGE_TEXELS;
@@ -81,9 +82,9 @@ fn footprint(text: &str) -> Result<f64> {
 }
 
 /// Exports, or checks an export.
-pub fn run(arguments: &Arguments) -> Result<()> {
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     if let Some(folder) = &arguments.check {
-        return check(folder, arguments.answers.as_deref());
+        return check(folder, arguments.answers.as_deref(), console);
     }
     let files = Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
@@ -95,21 +96,22 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(folder) = &arguments.output {
         check_target(folder)?;
     }
-    let mesh = arguments.mesh.as_deref().map(|name| page_mesh(name, &files)).transpose()?;
+    let mesh = arguments.mesh.as_deref().map(|name| page_mesh(name, &files, console)).transpose()?;
     let most_bytes = most_texels(arguments, mesh.as_ref().map_or(0, |mesh| mesh.bytes.len()))?;
     if arguments.optics.method.is_some_and(|method| method != Method::Table) {
         return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
     }
     let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let field = source.prepare(arguments.surface.read(&source)?.into_field()?)?;
-    let optics = arguments.optics.for_directions(&arguments.colour, &field)?;
+    let field = source.prepare(arguments.surface.read(&source, console)?.into_field()?)?;
+    let optics = arguments.optics.for_directions(&arguments.colour, &field, console)?;
     let optics = Optics { method: Method::Table, ..optics }.checked()?;
     let settings = ExportSettings { most_bytes, ..export_settings(&optics, arguments.footprint)? };
-    prepare::warn_of_coarse_samples(&field, SHORTEST);
-    let bar = ProgressBar::new("orders", LESS_WORK);
+    prepare::warn_of_coarse_samples(console, &field, SHORTEST);
+    let bar = ProgressBar::new(console, "orders", LESS_WORK);
     let material = ExportedMaterial::new(&field, &settings, &bar.task())?;
     drop(bar);
-    let mut description = MaterialDescription::new(&field, &settings, &material, captions::own_command())?;
+    let mut description =
+        MaterialDescription::new(&field, &settings, &material, captions::own_command(console))?;
     if let Some(folder) = &arguments.output {
         write_export(folder, &material, &mut description)?;
     }
@@ -124,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             PageSubject { source: &source, field: &field, optics: &optics, illuminant, mesh: mesh.as_ref() };
         page::write(path, &subject, &material, &description)?;
     }
-    write::stdout(&(summary(&description) + &limit_line(&material.table.header)))
+    console.write(&(summary(&description) + &limit_line(&material.table.header)))
 }
 
 /// Returns the line that says by how much the theory was limited; empty where little.
@@ -134,8 +136,8 @@ fn limit_line(header: &TableHeader) -> String {
 }
 
 /// Opens the first object of the scene or mesh called `name`, and checks that none of its files is one of those that are written.
-fn page_mesh(name: &OsStr, files: &Files) -> Result<PageMesh> {
-    let scene = prepare::scene(name)?;
+fn page_mesh(name: &OsStr, files: &Files, console: &Console) -> Result<PageMesh> {
+    let scene = prepare::scene(console, name)?;
     files.clone().reads(&scene.files).check()?;
     let object = scene.main_object();
     PageMesh::new(&object.mesh, &object.grooves).map_err(|e| e.at(name.display()))
@@ -192,14 +194,14 @@ fn percent(share: f64) -> String {
 }
 
 /// Checks the export in `folder`, and a file of answers.
-fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
+fn check(folder: &Path, answers: Option<&Path>, console: &Console) -> Result<()> {
     let reader = ExportReader::open(folder)?;
     let conformance = reader.check()?;
     let Some(path) = answers else {
         let limited = limit_line(&reader.table()?.header);
         // From the directions themselves, not as the description has them.
         let found = MaterialDescription { errors: conformance.errors(), ..reader.description };
-        return write::stdout(&format!("sound: {}{limited}", summary(&found)));
+        return console.write(&format!("sound: {}{limited}", summary(&found)));
     };
     let text = input::read_text(path, "a CSV file of answers")?;
     let errors = conformance
@@ -208,7 +210,7 @@ fn check(folder: &Path, answers: Option<&Path>) -> Result<()> {
         .map_err(|e| e.at(path.display()))?;
     let found = in_words(&errors);
     if errors.within(&PortErrors::RIGHT) {
-        return write::stdout(&format!("right: against the table, {found}\n"));
+        return console.write(&format!("right: against the table, {found}\n"));
     }
     let PortErrors { relative_l2, own_rms, own_p99 } = PortErrors::RIGHT;
     let [all, each, most] = [relative_l2, own_rms, own_p99].map(percent);

@@ -1,6 +1,8 @@
 //! `diffract help`, `completions` and `manual`: help texts, shell completions and manual pages from one description of the command line.
 
-use super::{Arguments, usage, write};
+use super::Arguments;
+use super::console::Console;
+use super::usage::{self, Understood};
 use crate::error::{Error, Result};
 use crate::output;
 use clap::{Args, Command, CommandFactory};
@@ -42,21 +44,24 @@ pub struct ManualArguments {
 }
 
 /// Prints the help of a command, like `--help` behind the command.
-pub fn help(arguments: &HelpArguments) -> Result<()> {
+pub fn help(arguments: &HelpArguments, console: &Console) -> Result<()> {
     let words =
         ["diffract"].into_iter().chain(arguments.command.iter().map(String::as_str)).chain(["--help"]);
-    usage::parse(words.map(OsString::from)).map(drop)
+    match usage::understand(words.map(OsString::from))? {
+        Understood::Help(help) => console.write_help(&help),
+        Understood::Work(_) => Err(Error::bug("the help of a command is a command")),
+    }
 }
 
 /// Prints the script that completes words in a shell.
-pub fn completions(arguments: &CompletionArguments) -> Result<()> {
+pub fn completions(arguments: &CompletionArguments, console: &Console) -> Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Arguments::command(), "diffract", &mut script);
-    write::stdout(&String::from_utf8_lossy(&script))
+    console.write(&String::from_utf8_lossy(&script))
 }
 
 /// Writes a page for each command.
-pub fn manual(arguments: &ManualArguments) -> Result<()> {
+pub fn manual(arguments: &ManualArguments, _: &Console) -> Result<()> {
     if !arguments.folder.is_dir() {
         let what = format!("{}: there is no such folder", arguments.folder.display());
         return Err(Error::usage(what, "make it, or name another"));

@@ -7,6 +7,7 @@ mod cache;
 mod captions;
 mod closed_stdout;
 mod colour;
+mod console;
 mod devices;
 mod eval;
 mod evaluation;
@@ -35,18 +36,20 @@ mod trade;
 pub mod untrusted;
 mod usage;
 mod usage_error;
-mod verbosity;
 #[cfg(feature = "viewer")]
 mod view;
 #[cfg(feature = "viewer")]
 mod view_command;
 mod write;
 
+use crate::context::Context;
 use crate::error::{Error, ErrorKind, Result};
 use clap::{Parser, Subcommand};
-use std::io::Write;
+pub use console::Streams;
+use console::{Console, Verbosity};
+use std::ffi::OsString;
 use std::process::ExitCode;
-use verbosity::{Verbosity, say};
+use usage::Understood;
 
 const VIEW_EXAMPLE: &str = if cfg!(feature = "viewer") { "\n  diffract view" } else { "" };
 
@@ -111,17 +114,30 @@ enum Command {
     Manual(manual::ManualArguments),
 }
 
-/// Runs the program on the arguments of the process.
+/// Runs the program on the arguments, the streams, the cache and the threads of the process.
 pub fn main() -> ExitCode {
-    match on_large_stack(|| usage::parse(std::env::args_os()))
-        .and_then(|arguments| arguments.map_or(Ok(()), start))
-    {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            print(&remedies::in_options(&error));
-            ExitCode::from(exit_code(&error))
-        }
-    }
+    let context = Context::new().with_validation(wants_validation());
+    let console = Console::new(std::env::args_os().collect(), Streams::of_process(), context);
+    ExitCode::from(finish(&console, || obey(&console, threads::start)))
+}
+
+/// Runs the program on `words`, its name first, and returns its exit code: 0 for done, 2 for wrong usage, 1 for everything else.
+///
+/// Files are those of the process; everything else is that of `context`, unless the words name something else.
+pub fn run(words: impl IntoIterator<Item = OsString>, streams: Streams, context: &Context) -> u8 {
+    let console = Console::new(words.into_iter().collect(), streams, context.clone());
+    finish(&console, || context.run(|| obey(&console, |_| ())))
+}
+
+/// Returns the exit code of `work`, and prints its error.
+fn finish(console: &Console, work: impl FnOnce() -> Result<()> + Send) -> u8 {
+    work().map_or_else(
+        |error| {
+            console.print(&remedies::in_options(&error));
+            exit_code(&error)
+        },
+        |()| 0,
+    )
 }
 
 /// Returns the exit code of the process after `error`: 2 for wrong usage, 1 for everything else.
@@ -129,13 +145,20 @@ fn exit_code(error: &Error) -> u8 {
     if error.kind() == ErrorKind::Usage { 2 } else { 1 }
 }
 
-/// Runs a command on a large stack; windows run on the main thread.
-fn start(arguments: Arguments) -> Result<()> {
+/// Obeys the words of `console` on a large stack, after `prepare`; windows run on the calling thread.
+fn obey(console: &Console, prepare: impl FnOnce(&Console)) -> Result<()> {
+    let understood = on_large_stack(|| usage::understand(console.words().iter().cloned()))?;
+    let arguments = match understood {
+        Understood::Work(arguments) => arguments,
+        Understood::Help(help) => return console.write_help(&help),
+    };
+    let console = &console.clone().saying(arguments.verbosity);
+    prepare(console);
     #[cfg(feature = "viewer")]
-    if matches!(arguments.command, Command::View(_)) {
-        return run(arguments);
+    if let Command::View(arguments) = &arguments.command {
+        return view::run(arguments, console);
     }
-    on_large_stack(|| run(arguments))
+    on_large_stack(|| command(&arguments.command, console))
 }
 
 /// Runs `work` in a thread with the usual stack size of a process: a stack that `ulimit -s` makes small would overflow. If the system gives
@@ -153,38 +176,31 @@ fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T>
     done.unwrap_or_else(|| Err(Error::bug("a command did not run")))
 }
 
-fn run(arguments: Arguments) -> Result<()> {
-    arguments.verbosity.apply();
-    threads::start();
-    match arguments.command {
+/// Runs a command.
+fn command(command: &Command, console: &Console) -> Result<()> {
+    match command {
         #[cfg(feature = "viewer")]
-        Command::View(arguments) => view::run(&arguments),
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Eval(arguments) => eval::run(&arguments),
-        Command::Brdf(arguments) => brdf::run(&arguments),
-        Command::Colour(arguments) => colour::run(&arguments),
-        Command::Orders(arguments) => orders::run(&arguments),
-        Command::Export(arguments) => export::run(&arguments),
-        Command::Peaks(arguments) => peaks::run(&arguments),
-        Command::Profile(arguments) => profile::run(&arguments),
-        Command::Trade(arguments) => trade::run(&arguments),
-        Command::Surface(command) => surface::run(&command),
-        Command::Cache(arguments) => cache::run(&arguments),
-        Command::Devices(arguments) => devices::run(&arguments),
-        Command::Help(arguments) => manual::help(&arguments),
-        Command::Completions(arguments) => manual::completions(&arguments),
-        Command::Manual(arguments) => manual::manual(&arguments),
+        Command::View(arguments) => view::run(arguments, console),
+        Command::Render(arguments) => render::run(arguments, console),
+        Command::Eval(arguments) => eval::run(arguments, console),
+        Command::Brdf(arguments) => brdf::run(arguments, console),
+        Command::Colour(arguments) => colour::run(arguments, console),
+        Command::Orders(arguments) => orders::run(arguments, console),
+        Command::Export(arguments) => export::run(arguments, console),
+        Command::Peaks(arguments) => peaks::run(arguments, console),
+        Command::Profile(arguments) => profile::run(arguments, console),
+        Command::Trade(arguments) => trade::run(arguments, console),
+        Command::Surface(command) => surface::run(command, console),
+        Command::Cache(arguments) => cache::run(arguments, console),
+        Command::Devices(arguments) => devices::run(arguments, console),
+        Command::Help(arguments) => manual::help(arguments, console),
+        Command::Completions(arguments) => manual::completions(arguments, console),
+        Command::Manual(arguments) => manual::manual(arguments, console),
     }
 }
 
-/// Writes one line to stderr; a closed stderr is no error.
-fn print(line: &dyn std::fmt::Display) {
-    let line = write::without_controls(&line.to_string());
-    let _ = writeln!(std::io::stderr(), "diffract: {line}");
-}
-
-/// Returns true if Vulkan validation is enabled; then each of its messages is an error.
-fn validation() -> bool {
+/// Returns true if the environment asks for Vulkan validation.
+fn wants_validation() -> bool {
     std::env::var_os("DIFFRACT_VALIDATION").is_some_and(|v| !v.is_empty() && v != "0")
 }
 

@@ -15,8 +15,7 @@ pub use reflectance::{ReflectanceOptions, ior};
 pub use surface_options::SurfaceOptions;
 pub use view::{ViewOptions, light_by};
 
-use super::say;
-use crate::cache;
+use super::console::Console;
 use crate::error::{Error, Result};
 use crate::optics::coherence::{Beyond, Coherence, Windows};
 use crate::optics::reflectance::Reflectance;
@@ -32,7 +31,6 @@ use crate::vk::selection::DeviceChoice;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use std::ffi::{OsStr, OsString};
-use std::sync::Once;
 
 /// Largest number of terms.
 const MAX_TERMS: usize = 128;
@@ -177,18 +175,23 @@ impl OpticsOptions {
     ///
     /// # Errors
     /// Options that do not go together, with the remedy; a spectrum that cannot be read.
-    pub fn for_directions(&self, colour: &ColourOptions, field: &HeightField) -> Result<Optics> {
-        colour.of(self.for_wavelengths(field)?)?.checked()
+    pub fn for_directions(
+        &self,
+        colour: &ColourOptions,
+        field: &HeightField,
+        console: &Console,
+    ) -> Result<Optics> {
+        colour.of(self.for_wavelengths(field)?, console)?.checked()
     }
 
     /// Returns the settings for pictures.
     ///
     /// # Errors
     /// Options that do not go together, with the remedy; a spectrum that cannot be read.
-    pub fn for_pictures(&self, colour: &ColourOptions) -> Result<Optics> {
+    pub fn for_pictures(&self, colour: &ColourOptions, console: &Console) -> Result<Optics> {
         self.check()?;
         let optics = self.with_basis(self.basis_of_pictures()).for_pictures();
-        colour.of(Optics { method: self.picture_method(), ..optics })?.checked()
+        colour.of(Optics { method: self.picture_method(), ..optics }, console)?.checked()
     }
 
     /// Returns `optics` with the continuation beyond the patch that the user names, or that suits `field`.
@@ -235,22 +238,22 @@ impl ColourOptions {
     }
 
     /// Returns `optics` with the colour settings of the options.
-    fn of(&self, optics: Optics) -> Result<Optics> {
+    fn of(&self, optics: Optics, console: &Console) -> Result<Optics> {
         let illuminant = Illuminant::from_name_or_file(&self.illuminant)?;
-        tell_of_missing_light(&illuminant);
+        tell_of_missing_light(&illuminant, console);
         Ok(Optics { illuminant, wavelengths: self.wavelengths, ..optics })
     }
 }
 
 /// Warns, once a run, if a spectrum does not cover the visible range.
-fn tell_of_missing_light(illuminant: &Illuminant) {
-    static TOLD: Once = Once::new();
+fn tell_of_missing_light(illuminant: &Illuminant, console: &Console) {
     if let Some([first, last]) = illuminant.missing_light() {
-        TOLD.call_once(|| {
-            say(&format_args!(
+        console.say_once(
+            "missing light",
+            &format_args!(
                 "the illuminant is given from {first} to {last} nm; between 380 and 780 nm it counts as 0 elsewhere"
-            ));
-        });
+            ),
+        );
     }
 }
 
@@ -264,9 +267,13 @@ pub struct DeviceOptions {
 }
 
 impl DeviceOptions {
-    /// Returns the device that the user asks for.
-    pub fn wish(&self) -> DeviceChoice {
-        self.device.clone().unwrap_or_default()
+    /// Returns the run on the device that the user asks for, or that of its context.
+    pub fn chosen(&self, console: &Console) -> Console {
+        let choice = self.device.clone();
+        console.clone().in_context(|context| match choice {
+            Some(choice) => context.choosing(choice),
+            None => context,
+        })
     }
 }
 
@@ -274,15 +281,18 @@ impl DeviceOptions {
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Cache")]
 pub struct CacheOptions {
-    /// Largest size of the cache on disk, as in 500MiB; 0 turns it off (see `diffract cache`)
-    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, default_value = "2GiB", hide_short_help = true)]
-    pub cache_size: u64,
+    /// Largest size of the cache on disk, as in 500MiB; 0 turns it off (see `diffract cache`) [default: 2GiB]
+    #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true, hide_short_help = true)]
+    pub cache_size: Option<u64>,
 }
 
 impl CacheOptions {
-    /// Sets the limit for the rest of the process.
-    pub fn apply(self) {
-        cache::set_limit(self.cache_size);
+    /// Returns the run with a cache of this limit, or with that of its context.
+    pub fn limited(self, console: &Console) -> Console {
+        console.clone().in_context(|context| match self.cache_size {
+            Some(limit) => context.with_cache_limit(limit),
+            None => context,
+        })
     }
 }
 

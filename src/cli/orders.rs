@@ -3,9 +3,10 @@
 mod figure;
 mod sweep;
 
+use super::console::Console;
 use super::options::{FigureOptions, ReflectanceOptions, SurfaceOptions, share};
 use super::progress::ProgressBar;
-use super::{captions, evaluation, prepare, say, write};
+use super::{captions, evaluation, prepare, write};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
@@ -102,7 +103,7 @@ fn least(text: &str) -> Result<f64> {
 }
 
 /// Computes the orders and writes them.
-pub fn run(arguments: &Arguments) -> Result<()> {
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     let style = arguments.figure.style(arguments.plot.is_some(), &figure::PANELS)?;
     Files::new()
@@ -119,26 +120,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for &wavelength in &arguments.wavelength {
         reflectance.check_wavelength(wavelength)?;
     }
-    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
-    tell_of_broken_copies(&field)?;
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe", console)?;
+    tell_of_broken_copies(&field, console)?;
     let cell = field.unit_cell()?;
     match &sweep {
-        Some(sweep) => run_sweep(arguments, sweep, &field, &cell, &reflectance, &style),
-        None => run_single(arguments, &field, &cell, &reflectance),
+        Some(sweep) => run_sweep(arguments, sweep, &field, &cell, &reflectance, &style, console),
+        None => run_single(arguments, &field, &cell, &reflectance, console),
     }
 }
 
 /// Tells what copies of the patch of `field` break, if they do: its light is in the orders.
-fn tell_of_broken_copies(field: &HeightField) -> Result<()> {
+fn tell_of_broken_copies(field: &HeightField, console: &Console) -> Result<()> {
     let tiling = joining(field)?;
     let broken = tiling.broken_in_words();
     if !broken.is_empty() {
-        say(&format_args!(
+        console.say(&format_args!(
             "the patch holds {}: its copies break the grooves, whose orders move to whole periods; crop the patch to whole periods (--crop)",
             broken.join(" and ")
         ));
     } else if setup::continued(&tiling) == Beyond::Alike {
-        say(
+        console.say(
             &"the edges of the patch do not meet: its copies have steps, whose light is in the orders; crop the patch to whole periods (--crop)",
         );
     }
@@ -160,23 +161,24 @@ fn run_single(
     field: &HeightField,
     cell: &HeightField,
     reflectance: &Reflectance,
+    console: &Console,
 ) -> Result<()> {
     let shortest = arguments.wavelength.iter().copied().fold(f64::INFINITY, f64::min);
-    prepare::warn_of_coarse_samples(field, shortest);
+    prepare::warn_of_coarse_samples(console, field, shortest);
     let light = arguments.light.map_or(DVec3::Z, |light| direction(light.theta, light.phi));
     let mut table = write::Csv::new();
     table.row(["wavelength", "m", "n", "theta_r", "phi_r", "efficiency", "reflectance", "period"])?;
     let relief = Relief::of(field)?;
     for &wavelength in &arguments.wavelength {
-        let orders = orders(cell, reflectance, light, wavelength)?;
+        let orders = orders(cell, reflectance, light, wavelength, console)?;
         let told = EfficiencySums::of(&orders, arguments.least);
         let theory = ScalarTheory::new(relief, reflectance, LightColour::Wavelength(wavelength));
-        told.tell(cell, &format!("{:.1} nm", wavelength * NM_PER_UM), &theory);
+        told.tell(cell, &format!("{:.1} nm", wavelength * NM_PER_UM), &theory, console);
         for order in orders.iter().filter(|order| is_written(order, arguments.least)) {
             table.row(cells(order, wavelength))?;
         }
     }
-    write::text(arguments.output.as_deref(), &table.text()?)
+    write::result(arguments.output.as_deref(), &table.text()?, console)
 }
 
 /// Computes the orders over a sweep, and writes and draws them.
@@ -187,14 +189,15 @@ fn run_sweep(
     cell: &HeightField,
     reflectance: &Reflectance,
     style: &FigureStyle,
+    console: &Console,
 ) -> Result<()> {
-    let runs = sweep::of(arguments, sweep, field, cell, reflectance)?;
-    sweep::tell(sweep, &runs);
-    write::text(arguments.output.as_deref(), &sweep::table(&runs)?)?;
+    let runs = sweep::of(arguments, sweep, field, cell, reflectance, console)?;
+    sweep::tell(sweep, &runs, console);
+    write::result(arguments.output.as_deref(), &sweep::table(&runs)?, console)?;
     match &arguments.plot {
         Some(path) => {
             let drawn = figure::figure(arguments, sweep, field, reflectance, &runs);
-            drawn.save(path, style, &captions::notes(field))
+            drawn.save(path, style, &captions::notes(field, console))
         }
         None => Ok(()),
     }
@@ -235,8 +238,9 @@ fn orders(
     reflectance: &Reflectance,
     light: DVec3,
     wavelength: f64,
+    console: &Console,
 ) -> Result<Vec<DiffractionOrder>> {
-    let bar = ProgressBar::new("orders", "a part of the surface (--crop)");
+    let bar = ProgressBar::new(console, "orders", "a part of the surface (--crop)");
     MeanBrdf::in_sunlight(cell, reflectance.clone()).orders(light, wavelength, &bar.task())
 }
 
@@ -270,7 +274,7 @@ impl EfficiencySums {
     }
 
     /// Tells the share of the light of this `wavelength` that the orders of `cell` take, and by how much they err.
-    fn tell(&self, cell: &HeightField, wavelength: &str, theory: &ScalarTheory) {
+    fn tell(&self, cell: &HeightField, wavelength: &str, theory: &ScalarTheory, console: &Console) {
         let [x, y] = cell.patch_size();
         let (count, share) = self.written;
         let faint = match self.fainter {
@@ -279,16 +283,16 @@ impl EfficiencySums {
                 format!("; {fainter} below {:e} are left out, {share:.1e} together", self.least)
             }
         };
-        say(&format_args!(
+        console.say(&format_args!(
             "{wavelength}: {count} orders of a cell of {x:.4} x {y:.4} um take {share:.4} of the light{faint}"
         ));
         if let Some(excess) = excess_of_sum(share + self.fainter.1) {
-            say(&format_args!("{wavelength}: {excess}"));
+            console.say(&format_args!("{wavelength}: {excess}"));
         }
         if let Some(note) = excess_note(self.limit) {
-            say(&format_args!("{wavelength}: {note}"));
+            console.say(&format_args!("{wavelength}: {note}"));
         }
-        say(&format_args!("{wavelength}: scalar theory: {}", theory.line()));
+        console.say(&format_args!("{wavelength}: scalar theory: {}", theory.line()));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Progress of long work: a bar on a terminal, and one line about work that takes many minutes.
 
-use super::verbosity::{quiet, say};
+use super::console::Console;
 use crate::task::{Progress, Task};
 use indicatif::ProgressStyle;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,6 +25,7 @@ pub struct ProgressBar {
 
 /// Parts of a bar that its clones share.
 struct Shared {
+    console: Console,
     bar: indicatif::ProgressBar,
     /// Name of the main step.
     name: &'static str,
@@ -68,28 +69,39 @@ impl Step {
 
 impl ProgressBar {
     /// Returns the bar of work whose main step is called `name`; `shorter` names what takes less time.
-    pub fn new(name: &'static str, shorter: &'static str) -> Self {
-        Self::over(name, shorter, 0)
+    pub fn new(console: &Console, name: &'static str, shorter: &'static str) -> Self {
+        Self::over(console, name, shorter, 0)
     }
 
     /// Returns the bar of work whose main step, called `name`, has `count` parts.
-    pub fn over(name: &'static str, shorter: &'static str, count: usize) -> Self {
-        let bar = if quiet() { indicatif::ProgressBar::hidden() } else { indicatif::ProgressBar::new(1) };
+    pub fn over(console: &Console, name: &'static str, shorter: &'static str, count: usize) -> Self {
+        let bar = if console.has_bars() {
+            indicatif::ProgressBar::new(1)
+        } else {
+            indicatif::ProgressBar::hidden()
+        };
         if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
             bar.set_style(style);
         }
         bar.set_message(name);
-        Self::shared(bar, name, shorter, count)
+        Self::shared(console, bar, name, shorter, count)
     }
 
     /// Returns the bar of `count` parts that have bars of their own, so that this one is not drawn.
-    pub fn hidden(name: &'static str, shorter: &'static str, count: usize) -> Self {
-        Self::shared(indicatif::ProgressBar::hidden(), name, shorter, count)
+    pub fn hidden(console: &Console, name: &'static str, shorter: &'static str, count: usize) -> Self {
+        Self::shared(console, indicatif::ProgressBar::hidden(), name, shorter, count)
     }
 
-    fn shared(bar: indicatif::ProgressBar, name: &'static str, shorter: &'static str, count: usize) -> Self {
+    fn shared(
+        console: &Console,
+        bar: indicatif::ProgressBar,
+        name: &'static str,
+        shorter: &'static str,
+        count: usize,
+    ) -> Self {
         let (counted, step) = (AtomicUsize::new(0), Mutex::new(None));
-        Self { shared: Arc::new(Shared { bar, name, shorter, count, counted, step }) }
+        let console = console.clone();
+        Self { shared: Arc::new(Shared { console, bar, name, shorter, count, counted, step }) }
     }
 
     /// Returns a task whose progress the bar shows.
@@ -127,7 +139,7 @@ impl ProgressBar {
             now.is_told = true;
             let shorter = if stage == self.shared.name { self.shared.shorter } else { LESS_WORK };
             let line = format!("{stage}: this takes about {} more; {shorter} is shorter", in_words(left));
-            bar.suspend(|| say(&line));
+            bar.suspend(|| self.shared.console.say(&line));
         }
         *step = Some(now);
     }

@@ -1,5 +1,6 @@
 //! `diffract render`: a scene into a file, or a sequence of pictures into numbered ones.
 
+use super::console::Console;
 use super::exported::ExportedTable;
 use super::finished::{self, KeptPicture, SequenceOrigin};
 use super::options::{
@@ -7,7 +8,6 @@ use super::options::{
 };
 use super::progress::ProgressBar;
 use super::sequence::SequenceOptions;
-use super::verbosity::say;
 use super::{captions, prepare, scale};
 use crate::error::{Error, Remedy, Result};
 use crate::files::Files;
@@ -94,8 +94,8 @@ impl Arguments {
 }
 
 /// Draws the pictures and writes them.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.cache.apply();
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
     let format = PictureFormat::of(&arguments.output)?;
     let sequence = arguments.sequence.chosen()?;
     let outputs = match &sequence {
@@ -110,7 +110,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(arguments.view.files())
         .writes(outputs);
     files.check()?;
-    let optics = arguments.optics.for_pictures(&arguments.colour)?;
+    let optics = arguments.optics.for_pictures(&arguments.colour, console)?;
     if arguments.sample_pixels.is_some() && optics.method != Method::Reference {
         return Err(Error::usage(
             "--sample-pixels is for the reference picture only",
@@ -120,10 +120,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.table.is_some() && optics.method != Method::Table {
         return Err(Error::usage("--table reads a colour table", Remedy::TableMethod));
     }
-    let mut scene = prepare::scene(&arguments.scene)?;
+    let mut scene = prepare::scene(console, &arguments.scene)?;
     files.reads(&scene.files).check()?;
-    arguments.view.apply(&mut scene)?;
-    let field = Arc::new(arguments.surface.load(None, Some(&scene), "elaphe")?);
+    arguments.view.apply(&mut scene, console)?;
+    let field = Arc::new(arguments.surface.load(None, Some(&scene), "elaphe", console)?);
     let optics = arguments.optics.material_of(&scene, arguments.optics.beyond_of(&field, optics));
     let settings = PictureSettings {
         size: arguments.size,
@@ -134,6 +134,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let measured = scene.display.auto_exposure;
     let surfaces = ObjectSurface::of(&scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
     let work = PictureWork {
+        console,
         scene: &scene,
         field: &field,
         surfaces: &surfaces,
@@ -149,6 +150,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// State that all pictures of a run share.
 struct PictureWork<'a> {
+    console: &'a Console,
     scene: &'a Scene,
     field: &'a Arc<HeightField>,
     /// Surfaces of all objects.
@@ -166,7 +168,7 @@ impl PictureWork<'_> {
         let first = self.surfaces.first();
         let optics = first.map_or(&self.settings.source.optics, |surface| &surface.source.optics);
         let colour = LightColour::Spectrum(&optics.illuminant);
-        let mut notes = captions::picture_notes(self.field, &optics.reflectance, colour);
+        let mut notes = captions::picture_notes(self.console, self.field, &optics.reflectance, colour);
         for (number, surface) in self.surfaces.iter().enumerate().skip(1) {
             let field = surface.field.as_ref().filter(|field| !Arc::ptr_eq(field, self.field));
             notes.more.extend(field.map(|f| (format!("Prepared {}", number + 1), f.prepared().to_string())));
@@ -206,14 +208,16 @@ fn shots(
             continue;
         }
         if state == KeptPicture::Damaged {
-            say(&format_args!("{}: the picture is damaged and is drawn again", output.display()));
+            work.console
+                .say(&format_args!("{}: the picture is damaged and is drawn again", output.display()));
         }
-        let notes = captions::notes_of_frame(&notes, frame, finished::NOTE, note);
+        let notes = captions::notes_of_frame(work.console, &notes, frame, finished::NOTE, note);
         shots.push(Shot { view: sequence.view(view, frame), output, notes, is_sealed: true });
     }
     let asked = sequence.frames.len();
     if shots.len() < asked {
-        say(&format_args!("{} of {asked} pictures are there already and stay", asked - shots.len()));
+        work.console
+            .say(&format_args!("{} of {asked} pictures are there already and stay", asked - shots.len()));
     }
     Ok(shots)
 }
@@ -227,7 +231,7 @@ fn draw(
     shots: &[Shot],
 ) -> Result<()> {
     let Some(first) = shots.first() else { return Ok(()) };
-    let PictureWork { scene, surfaces, settings, .. } = *work;
+    let PictureWork { console, scene, surfaces, settings, .. } = *work;
     let optics = &settings.source.optics;
     let reference = settings.source.optics.method == Method::Reference;
     let textured = scene.objects.iter().any(|object| object.pigment.is_some());
@@ -238,14 +242,14 @@ fn draw(
         ));
     }
     let exported = arguments.table.as_deref().map(ExportedTable::open).transpose()?;
-    let device = prepare::device(&arguments.device.wish())?;
-    let mut in_use = InUse::default();
+    let device = console.context().device()?;
+    let mut in_use = InUse::of(console.context());
     let make = |surface: &ObjectSurface| match (&surface.field, surface.source.optics.method) {
         // The reference casts its rays in f64; this source has no data.
         (_, Method::Reference) => Ok(Source::ClassicalGrating(ClassicalGrating::default())),
         (None, _) => Ok(setup::pigment_alone()),
         (Some(field), _) if let Some(exported) = &exported => exported.source(field, &surface.source),
-        (Some(field), _) => prepare::source(field, &surface.source, &device, &mut in_use),
+        (Some(field), _) => prepare::source(console, field, &surface.source, &device, &mut in_use),
     };
     let mut prepared = PreparedScene::new(&device, (scene, surfaces), settings, views, make)?;
     shots.iter().try_for_each(|shot| prepared.check(&shot.view))?;
@@ -258,11 +262,11 @@ fn draw(
             Some(rays) => reference_exposure(rays, first, work)?,
             None => prepared.meter(first)?,
         };
-        shown.exposure = told_exposure(measured, scene);
+        shown.exposure = told_exposure(measured, scene, console);
         prepared.show(shown);
     }
-    scale::tell(prepared.renderer(), &first.view, scene, optics.coherence, settings.sampling.count)?;
-    let progress = SequenceProgress::over(shots.len(), if reference { "pixels" } else { "samples" });
+    scale::tell(prepared.renderer(), &first.view, scene, optics.coherence, settings.sampling.count, console)?;
+    let progress = SequenceProgress::over(console, shots.len(), if reference { "pixels" } else { "samples" });
     for (number, shot) in shots.iter().enumerate() {
         let task = progress.of_picture(number);
         let mut picture = match &rays {
@@ -279,7 +283,7 @@ fn draw(
         picture_file::write(&shot.output, format, &picture, &notes)?;
     }
     drop((progress, prepared));
-    prepare::finish(&device)
+    prepare::finish(console, &device)
 }
 
 /// Progress of all pictures.
@@ -291,9 +295,9 @@ struct SequenceProgress {
 
 impl SequenceProgress {
     /// Returns the bar of so many pictures, each of which consists of `parts`.
-    fn over(pictures: usize, parts: &'static str) -> Self {
+    fn over(console: &Console, pictures: usize, parts: &'static str) -> Self {
         Self {
-            bar: ProgressBar::new(parts, "a smaller --size, or a smaller number of --samples,"),
+            bar: ProgressBar::new(console, parts, "a smaller --size, or a smaller number of --samples,"),
             parts,
             pictures,
         }
@@ -317,17 +321,17 @@ fn reference_exposure(rays: &RayScene<'_>, view: &View, work: &PictureWork<'_>) 
     const PIXELS: usize = 2000;
     let settings = PictureSettings { sampling: Sampling::ONE, ..work.settings.clone() };
     let one = PictureWork { settings: &settings, shaded: Some(PIXELS), ..*work };
-    let bar = ProgressBar::new("exposure", "an --exposure in stops");
+    let bar = ProgressBar::new(work.console, "exposure", "an --exposure in stops");
     let task = bar.task().named("exposure");
     let picture = reference_picture(rays, view, &one, Shown::of(work.scene), &task)?;
     Ok(exposure::automatic(&picture.radiance))
 }
 
 /// Prints and returns the `measured` exposure \[stops\], or that of `scene` without light.
-fn told_exposure(measured: Option<f64>, scene: &Scene) -> f64 {
+fn told_exposure(measured: Option<f64>, scene: &Scene, console: &Console) -> f64 {
     let stops = measured.unwrap_or(scene.display.exposure);
     let unlit = if measured.is_none() { ", the scene's own: nothing is lit" } else { "" };
-    say(&format_args!("exposure {stops:.1} stops{unlit}"));
+    console.say(&format_args!("exposure {stops:.1} stops{unlit}"));
     stops
 }
 
@@ -340,7 +344,7 @@ fn reference_picture(
     task: &Task,
 ) -> Result<Picture> {
     let PictureWork { field, surfaces, settings, shaded, .. } = *work;
-    prepare::warn_of_coarse_samples(field, SHORTEST);
+    prepare::warn_of_coarse_samples(work.console, field, SHORTEST);
     let sampling = &settings.sampling;
     let cast = RaySettings::new(settings.size, work.scene.shadows, &settings.source.optics);
     let mut directions = |pass: &LightPass| Ok(rays.directions(view, pass, &cast));

@@ -1,6 +1,6 @@
 //! Size of a pixel on the surface relative to the light's coherence: is the mean over coherence areas a good approximation?
 
-use super::verbosity::{detail, quiet, say};
+use super::console::Console;
 use crate::error::Result;
 use crate::optics::coherence::Coherence;
 use crate::render::footprints::median_pixel_area;
@@ -26,15 +26,16 @@ pub fn tell(
     scene: &Scene,
     coherence: Coherence,
     samples: u32,
+    console: &Console,
 ) -> Result<()> {
     let Coherence::Gaussian { length } = coherence else { return Ok(()) };
-    if quiet() || view.light_count() == 0 {
+    if console.is_quiet() || view.light_count() == 0 {
         return Ok(());
     }
     let Some(area) = median_pixel_area(renderer, view)? else { return Ok(()) };
     let micrometres = scene.unit * MICROMETRES_PER_METRE;
     let areas = area * micrometres.powi(2) / length.powi(2);
-    detail(&format_args!(
+    console.detail(&format_args!(
         "a pixel shows {:.3} mm2 of the surface (median), {areas:.3} coherence areas of ({length} um)2; a unit of the scene is {} m",
         area * (scene.unit * 1e3).powi(2),
         // Rounded to a nanometre: no unit is known better.
@@ -43,7 +44,7 @@ pub fn tell(
     // A single sample is not filtered.
     let averaged = if samples > 1 { FILTERED_PIXELS * areas } else { areas };
     if averaged < FEWEST {
-        say(&format_args!(
+        console.say(&format_args!(
             "a pixel averages over {averaged:.1} coherence areas of ({length} um)2 (median): with fewer than {FEWEST} the mean over them is not what is \
              seen; step back, take a smaller --size or a larger `scale` of the scene"
         ));

@@ -96,7 +96,7 @@ mod tests {
             let more = more.iter().map(OsString::from);
             understand(words.into_iter().chain(more).chain([scene.into()])).map(|wanted| match wanted {
                 Understood::Work(arguments) => format!("{arguments:?}"),
-                Understood::Words(_) => panic!("help"),
+                Understood::Help(_) => panic!("help"),
             })
         };
         let saved = scene("tolerance = 0.05\nsamples = \"4\"\ncoherence = \"gaussian:40um\"\n");

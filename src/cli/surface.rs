@@ -10,8 +10,9 @@ pub(super) mod plot;
 #[cfg(test)]
 mod worked_example;
 
+use super::captions;
+use super::console::Console;
 use super::options::{FigureOptions, SurfaceOptions, seed};
-use super::{captions, write};
 use crate::error::{Error, Result};
 use crate::figure::{self, FigureStyle};
 use crate::files::Files;
@@ -112,12 +113,12 @@ fn kind(name: &str) -> Result<SurfaceKind> {
 }
 
 /// Runs a command about surfaces.
-pub fn run(command: &Command) -> Result<()> {
+pub fn run(command: &Command, console: &Console) -> Result<()> {
     match command {
-        Command::Info(arguments) => info(arguments),
-        Command::Compare(arguments) => compare::run(arguments),
-        Command::Convert(arguments) => convert::run(arguments),
-        Command::Synth(arguments) => synthesise(arguments),
+        Command::Info(arguments) => info(arguments, console),
+        Command::Compare(arguments) => compare::run(arguments, console),
+        Command::Convert(arguments) => convert::run(arguments, console),
+        Command::Synth(arguments) => synthesise(arguments, console),
     }
 }
 
@@ -135,7 +136,7 @@ impl Info {
     }
 }
 
-fn info(arguments: &Info) -> Result<()> {
+fn info(arguments: &Info, console: &Console) -> Result<()> {
     if let Some(path) = &arguments.plot {
         figure::FigureFormat::of(path)?;
     }
@@ -144,9 +145,9 @@ fn info(arguments: &Info) -> Result<()> {
     let material = arguments.reflectance().file();
     Files::new().reads(arguments.surface.files(name)).reads(&material).writes(&arguments.plot).check()?;
     let source = arguments.surface.source(name, None, "elaphe")?;
-    let scan = arguments.surface.read(&source)?;
+    let scan = arguments.surface.read(&source, console)?;
     if arguments.json {
-        return report(arguments, &style, &source, scan);
+        return report(arguments, &style, &source, scan, console);
     }
     let file: String =
         report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
@@ -154,40 +155,50 @@ fn info(arguments: &Info) -> Result<()> {
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(&source, &field, &statistics, &theory)?.save(path, &style, &captions::notes(&field))?;
+        plot::figure(&source, &field, &statistics, &theory, console)?.save(
+            path,
+            &style,
+            &captions::notes(&field, console),
+        )?;
     }
-    write::stdout(&(file + &describe::text(&field, &statistics, &theory)?))
+    console.write(&(file + &describe::text(&field, &statistics, &theory)?))
 }
 
 /// Prints the report as JSON. Without preparation steps it is about the heights of the file, including gaps.
-fn report(arguments: &Info, style: &FigureStyle, source: &SurfaceSource, scan: Topography) -> Result<()> {
+fn report(
+    arguments: &Info,
+    style: &FigureStyle,
+    source: &SurfaceSource,
+    scan: Topography,
+    console: &Console,
+) -> Result<()> {
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
     let scan =
         if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
-    let notes = Notes::new(captions::own_command(), scan.prepared());
+    let notes = Notes::new(captions::own_command(console), scan.prepared());
     let report = report::SurfaceReport::of(&scan, origin.as_ref(), invalid);
     let field = match scan.into_field() {
         Ok(field) => field,
         Err(e) if arguments.plot.is_none() => {
-            return write::stdout(&report.without_statistics(&e).json(&notes)?);
+            return console.write(&report.without_statistics(&e).json(&notes)?);
         }
         Err(e) => return Err(e),
     };
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(source, &field, &statistics, &theory)?.save(path, style, &notes)?;
+        plot::figure(source, &field, &statistics, &theory, console)?.save(path, style, &notes)?;
     }
-    write::stdout(&report.with_statistics(&field, statistics, theory)?.json(&notes)?)
+    console.write(&report.with_statistics(&field, statistics, theory)?.json(&notes)?)
 }
 
-fn synthesise(arguments: &Synth) -> Result<()> {
+fn synthesise(arguments: &Synth, console: &Console) -> Result<()> {
     let &Synth { kind, seed, patch, pixel_size, period, height, output: ref path } = arguments;
     output::check(path)?;
     let format = if image::is_named(path) { None } else { Some(ScanFormat::of(path)?) };
     let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
     if let Some(format) = format {
-        return convert::save(path, format, &Topography::of(field));
+        return convert::save(path, format, &Topography::of(field), console);
     }
     // A flat field has code 0 all over: any height reads it back, and the option takes no zero.
     let full_height = Some(image::write(path, &field)?).filter(|h| *h > 0.0).unwrap_or(1e-3);
@@ -196,5 +207,5 @@ fn synthesise(arguments: &Synth) -> Result<()> {
     // Enough digits that the file read back has the same frequencies to a millionth.
     let options =
         format!("--pixel-size {:.7}nmx{:.7}nm --height {:.7}nm", dx * 1e3, dy * 1e3, full_height * 1e3);
-    write::stdout(&format!("{}: {columns} x {rows} samples; read it with {options}\n", path.display()))
+    console.write(&format!("{}: {columns} x {rows} samples; read it with {options}\n", path.display()))
 }

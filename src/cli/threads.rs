@@ -1,6 +1,6 @@
 //! Threads for sums and transforms. They exist before the pool that uses them is built: a pool that gets fewer threads than it asks for cannot be built again.
 
-use super::verbosity::{detail, say};
+use super::console::Console;
 use crate::memory;
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
 use std::io;
@@ -11,15 +11,17 @@ use std::sync::mpsc::{Sender, channel};
 const VARIABLE: &str = "RAYON_NUM_THREADS";
 
 /// Starts as many threads as the machine runs at once, or fewer where memory or the system allows no more. Without any, the calling thread does everything.
-pub fn start() {
+pub fn start(console: &Console) {
     let wanted = wanted();
     let affordable = memory::affordable_threads(wanted);
     let idle = idle_threads(affordable);
     let started = idle.len();
     if started < affordable {
-        say(&format_args!("the system gives {started} of {wanted} threads: sums and transforms take longer"));
+        console.say(&format_args!(
+            "the system gives {started} of {wanted} threads: sums and transforms take longer"
+        ));
     } else if started < wanted {
-        detail(&format_args!(
+        console.detail(&format_args!(
             "memory suffices for {started} of {wanted} threads: sums and transforms take longer"
         ));
     }
@@ -35,7 +37,7 @@ pub fn start() {
             .build_global(),
     };
     if let Err(e) = built {
-        detail(&format_args!("the threads are not those of this program: {e}"));
+        console.detail(&format_args!("the threads are not those of this program: {e}"));
     }
 }
 

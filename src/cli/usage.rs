@@ -1,39 +1,24 @@
 //! Parsing of the process's words into arguments; wrong use becomes a one-line error of the program.
 
 use super::usage_error::in_one_line;
-use super::{Arguments, scene_options, short_help, write};
+use super::{Arguments, scene_options, short_help};
 use crate::error::Result;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches};
 use std::ffi::OsString;
-use std::io::Write;
-
-/// Parses `words` (the program's name first); `None` if they ask for help or the version, which is now on stdout.
-///
-/// # Errors
-/// Words that cannot be meant: names the option, the value and the command for help.
-pub fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Option<Arguments>> {
-    match understand(words)? {
-        Understood::Work(arguments) => Ok(Some(*arguments)),
-        Understood::Words(help) => {
-            write::printed(help.print().and_then(|()| std::io::stdout().flush()))?;
-            Ok(None)
-        }
-    }
-}
 
 /// Result of parsing a command line.
 pub enum Understood {
     /// Command to run.
     Work(Box<Arguments>),
-    /// Text of the help or the version.
-    Words(clap::Error),
+    /// Help or version, to be written.
+    Help(clap::Error),
 }
 
-/// Parses `words` (the program's name first) without printing anything.
+/// Parses `words`, the program's name first.
 ///
 /// # Errors
-/// See [`parse`].
+/// Words that cannot be meant: names the option, the value and the command for help.
 pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Understood> {
     let words: Vec<OsString> = words.into_iter().collect();
     let matches = short_help::add(Arguments::command()).try_get_matches_from(&words);
@@ -43,7 +28,7 @@ pub fn understand(words: impl IntoIterator<Item = OsString>) -> Result<Understoo
             Ok(Understood::Work(Box::new(expanded.unwrap_or(arguments))))
         }
         Err(e) if matches!(e.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
-            Ok(Understood::Words(e))
+            Ok(Understood::Help(e))
         }
         Err(e) => Err(in_one_line(&e, &command(&words))),
     }
@@ -66,7 +51,7 @@ mod tests {
     use super::*;
 
     fn wrong(line: &str) -> String {
-        let e = parse(line.split(' ').map(OsString::from)).unwrap_err();
+        let e = understand(line.split(' ').map(OsString::from)).err().unwrap();
         assert_eq!(e.kind(), crate::error::ErrorKind::Usage, "{line}");
         e.to_string()
     }

@@ -1,9 +1,10 @@
 //! `diffract view`: a scene in a window.
 
+use super::console::Console;
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
-use super::{check_validation, last_view, prepare, scene_options, usage_error, validation, view_command};
+use super::{check_validation, last_view, prepare, scene_options, usage_error, view_command};
 use crate::error::{Error, Result};
 use crate::settings::Method;
 use crate::units;
@@ -11,6 +12,7 @@ use crate::viewer::{self, LastView, SceneFiles, Start, ViewSettings};
 use ash::vk;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, ValueEnum};
 use std::ffi::{OsStr, OsString};
+use std::sync::Arc;
 
 /// Arguments of `view`.
 #[derive(Args, Debug)]
@@ -84,17 +86,17 @@ fn fps(text: &str) -> Result<f64> {
 }
 
 /// Opens the window.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.cache.apply();
-    check_validation(&viewer::run(start(arguments)?)?)
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
+    check_validation(&viewer::run(start(arguments, console)?)?)
 }
 
 /// Returns the start settings of a window from `arguments`.
 ///
 /// # Errors
 /// Settings that do not fit together, and files that cannot be read.
-pub fn start(arguments: &Arguments) -> Result<Start> {
-    let optics = arguments.optics.for_pictures(&arguments.colour)?;
+pub fn start(arguments: &Arguments, console: &Console) -> Result<Start> {
+    let optics = arguments.optics.for_pictures(&arguments.colour, console)?;
     if optics.method == Method::Reference {
         return Err(Error::usage(
             "--method reference is too slow for a window",
@@ -102,10 +104,10 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         ));
     }
     utf8(&arguments.colour.illuminant)?;
-    let mut plain = prepare::scene(&arguments.scene)?;
+    let mut plain = prepare::scene(console, &arguments.scene)?;
     let mut scene = plain.clone();
     let optics = arguments.optics.material_of(&scene, optics);
-    arguments.view.apply(&mut scene)?;
+    arguments.view.apply(&mut scene, console)?;
     // The window has no controls for them.
     plain.environment.clone_from(&scene.environment);
     plain.shadows = scene.shadows;
@@ -126,6 +128,9 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
         lights: scene.lights,
         samples: arguments.samples,
     };
+    let (of_scenes, of_last) = (console.clone(), console.clone());
+    let open_scene = move |name: &str| open(name, &of_scenes);
+    let open_last = move || last(&of_last);
     Ok(Start {
         measures_exposure: scene.display.auto_exposure,
         settings,
@@ -137,14 +142,13 @@ pub fn start(arguments: &Arguments) -> Result<Start> {
             Present::Mailbox => vk::PresentModeKHR::MAILBOX,
             Present::Immediate => vk::PresentModeKHR::IMMEDIATE,
         },
-        device: arguments.device.wish(),
-        validation: validation(),
+        context: console.context().clone(),
         command_line: view_command::render,
-        scenes: SceneFiles { open, write: view_command::write_scene },
+        scenes: SceneFiles { open: Arc::new(open_scene), write: view_command::write_scene },
         last: LastView {
             is_kept: last_view::is_kept(),
             keep: last_view::keep,
-            open: last,
+            open: Arc::new(open_last),
             recent: last_view::recent,
             keep_recent: last_view::keep_recent,
         },
@@ -160,17 +164,17 @@ struct ViewLine {
 }
 
 /// Returns the start settings of a window that continues the last one.
-fn last() -> Result<Start> {
+fn last(console: &Console) -> Result<Start> {
     let words = last_view::words()?;
     let understood = understood(&words)
         .map_err(|e| last_view::damaged(&e.to_string().lines().next().unwrap_or_default()))?;
-    start(&understood?)
+    start(&understood?, console)
 }
 
 /// Returns the start settings of a window of the scene called `name`.
-fn open(name: &str) -> Result<Start> {
+fn open(name: &str, console: &Console) -> Result<Start> {
     let understood = understood(&[name.into()]).map_err(|e| usage_error::in_one_line(&e, "diffract view"))?;
-    start(&understood?)
+    start(&understood?, console)
 }
 
 /// Parses `words` without a program and a command, with the options of their scene; the inner result has the error of those options.

@@ -1,51 +1,31 @@
-//! Output of results to files and to stdout.
+//! Results in files and on stdout, as text, CSV and JSON.
 
-use super::closed_stdout;
-use crate::error::{self, Error, Result};
+use super::console::Console;
+use crate::error::{Error, Result};
 use crate::notes::Notes;
 use crate::output;
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a result to stdout, without control characters that a terminal would obey.
-pub fn stdout(text: &str) -> Result<()> {
-    let mut stdout = std::io::stdout().lock();
-    printed(stdout.write_all(without_controls(text).as_bytes()).and_then(|()| stdout.flush()))
-}
-
 /// Returns `text` with U+FFFD in place of control characters but line breaks and tabs: names of channels and files may hold any.
 pub fn without_controls(text: &str) -> String {
     text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), "\u{fffd}")
 }
 
-/// Converts the outcome of writing to stdout. A closed pipe is not an error: the reader has read all that it wanted. A stdout that was closed from the
-/// start is one: nobody reads the result.
-pub fn printed(outcome: std::io::Result<()>) -> Result<()> {
-    if closed_stdout::is_closed() {
-        return Err(Error::files(
-            "stdout is closed, so that the result is lost",
-            "send it to a file or a program",
-        ));
-    }
-    match outcome {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::files(
-            format!("stdout cannot be written: {}", error::cause(&e)),
-            "check where it goes",
-        )
-        .caused_by(e)),
-        _ => Ok(()),
+/// Writes a text result to the file `path`, whole or not at all, or to stdout.
+pub fn result(path: Option<&Path>, text: &str, console: &Console) -> Result<()> {
+    match path {
+        None => console.write(text),
+        Some(path) => file(path, text),
     }
 }
 
-/// Writes a text result to the file `path`, whole or not at all, or to stdout.
-pub fn text(path: Option<&Path>, text: &str) -> Result<()> {
-    match path {
-        None => stdout(text),
-        Some(path) => output::write_atomically(path, |file| {
-            file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, e))
-        }),
-    }
+/// Writes `text` to the file `path`, whole or not at all.
+pub fn file(path: &Path, text: &str) -> Result<()> {
+    output::write_atomically(path, |file| {
+        file.write_all(text.as_bytes()).map_err(|e| output::write_failed(path, e))
+    })
 }
 
 /// Table as CSV, built row by row.
@@ -105,7 +85,7 @@ pub fn json_text(report: &impl Serialize) -> Result<String> {
 
 /// Writes `report` as JSON to the file `path`.
 pub fn json(path: &Path, report: &impl Serialize) -> Result<()> {
-    text(Some(path), &json_text(report)?)
+    file(path, &json_text(report)?)
 }
 
 #[cfg(test)]

@@ -3,7 +3,8 @@
 use super::{InUse, SourceSettings, single_limit, source};
 use crate::brdf::mean::MeanBrdf;
 use crate::brdf::{Brdf, DirectSum, MeanFromOrders, MeanReference};
-use crate::error::{Error, Result};
+use crate::context::Context;
+use crate::error::Result;
 use crate::optics::coherence::Windows;
 use crate::optics::energy::EnergyLimit;
 use crate::optics::reference::Reference;
@@ -11,24 +12,21 @@ use crate::render::device_brdf::{DeviceBrdf, MakeLimit};
 use crate::settings::{Method, Optics};
 use crate::surface::HeightField;
 use crate::task::Task;
-use crate::vk::device::Device;
 use std::sync::{Arc, OnceLock};
 
 /// Maximum number of windows whose spectra the cache on disk keeps: more would fill it.
 const CACHED_WINDOWS: u32 = 16;
 
 /// Calls `ask` with the BRDF of `field` under `settings` and its weight in the mean: once, or once for each window if
-/// the method evaluates one window at a time. `device` opens the device if one is needed; `note` receives notes for the
-/// user.
+/// the method evaluates one window at a time. Notes for the user go to `context`, which also has the device, if one is needed.
 ///
 /// # Errors
 /// Same as [`source`], or the error of `ask`.
 pub fn for_each_window(
     field: &HeightField,
     settings: &SourceSettings,
-    device: &dyn Fn() -> Result<Arc<Device>>,
+    context: &Context,
     task: &Task,
-    note: &dyn Fn(&Error),
     mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
 ) -> Result<()> {
     let optics = &settings.optics;
@@ -49,7 +47,7 @@ pub fn for_each_window(
         }
         (Method::Reference, Windows::Grid(windows)) => {
             let (limit, too_high) = single_limit(field, settings, task)?;
-            too_high.iter().for_each(note);
+            too_high.iter().for_each(|note| context.tell(note));
             let limit = limit.map(|limit| limit as Arc<dyn EnergyLimit>);
             let reference = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
             let reference = reference.limited(limit);
@@ -60,7 +58,7 @@ pub fn for_each_window(
         }
         _ => {}
     }
-    let device = device()?;
+    let device = context.device()?;
     // All windows share a limit, which colours do not need.
     let made_limit = OnceLock::new();
     let (of, under) = (field.clone(), settings.clone());
@@ -71,10 +69,11 @@ pub fn for_each_window(
         let (limit, _) = single_limit(&of, &under, task)?;
         Ok(made_limit.get_or_init(|| limit).clone())
     });
-    let mut in_use = InUse::default();
+    let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
+    // Spectra of many windows would fill the cache.
+    let mut in_use = if n * m <= CACHED_WINDOWS { InUse::of(context) } else { InUse::default() };
     let mut energy = None;
     // Colour tables contain the average.
-    let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
     let one = match optics.windows {
         Windows::Grid(_) => Optics { windows: Windows::ONE, ..optics.clone() },
         Windows::All => optics.clone(),
@@ -82,12 +81,9 @@ pub fn for_each_window(
     let patch = field.patch_size();
     for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
         let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
-        let cached = n * m <= CACHED_WINDOWS;
-        let settings = SourceSettings { optics: one.clone(), shift, cached, ..settings.clone() };
+        let settings = SourceSettings { optics: one.clone(), shift, ..settings.clone() };
         let made = source(field, &settings, device.candidate(), &mut in_use, task)?;
-        if let Some(error) = &made.note {
-            note(error);
-        }
+        made.note.iter().for_each(|note| context.tell(note));
         let mut brdf = DeviceBrdf::new(&device, &made.source, &one)?.limited(Arc::clone(&limit));
         // Kept for the next window.
         energy = made.source.energy().cloned().or(energy);

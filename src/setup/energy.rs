@@ -73,7 +73,6 @@ pub fn colour_limit(
         key: Key::new(&EnergyMap::FORMAT, &(powers, &optics.reflectance, &optics.illuminant), field)?,
         name: "the limit of energy",
         memory_limit: u64::from(u32::MAX),
-        cached: settings.cached,
     };
     let make = |in_use: &mut InUse| {
         let series = in_use.series(field, &powers, task)?;

@@ -3,16 +3,15 @@
 mod brdf;
 mod energy;
 mod picture;
-mod pipelines;
 
 pub use brdf::for_each_window;
 pub use energy::{colour_limit, single_limit};
 pub use picture::{ObjectSurface, PictureSettings, PreparedScene, own_view, picture};
-pub use pipelines::{keep_pipelines, load_pipelines};
 
 use crate::brdf::energy_map::EnergyMap;
 use crate::budget::{ErrorBudget, Purpose};
 use crate::cache::{Kept, Key, Store};
+use crate::context::Context;
 use crate::error::{Error, Remedy, Result};
 use crate::filter::FootprintSizes;
 use crate::optics::coherence::{Beyond, Coherence, Windows};
@@ -38,8 +37,6 @@ pub struct SourceSettings {
     pub shortest: f64,
     /// Offset of the window's centre from that of the patch \[µm\].
     pub shift: [f64; 2],
-    /// True if the cache on disk keeps the result.
-    pub cached: bool,
     /// Sizes of the pixels' footprints; 0 for single directions.
     pub footprints: FootprintSizes,
 }
@@ -47,13 +44,7 @@ pub struct SourceSettings {
 impl SourceSettings {
     /// Returns settings for colours, with the window at the centre of the patch.
     pub fn new(optics: Optics) -> Self {
-        Self {
-            optics,
-            shortest: SHORTEST,
-            shift: [0.0; 2],
-            cached: true,
-            footprints: FootprintSizes::default(),
-        }
+        Self { optics, shortest: SHORTEST, shift: [0.0; 2], footprints: FootprintSizes::default() }
     }
 }
 
@@ -65,9 +56,10 @@ pub struct Made {
     pub note: Option<Error>,
 }
 
-/// Data in use elsewhere, for requests that share it, and the series of the last table.
+/// Data that requests share: that in use elsewhere, the series of the last table, and what a cache on disk keeps. The default has no cache.
 #[derive(Default)]
 pub struct InUse {
+    store: Option<Store>,
     layers: Known<Layers>,
     tables: Known<ColorTable>,
     energies: Known<EnergyMap>,
@@ -84,6 +76,11 @@ struct KeptSeries {
 }
 
 impl InUse {
+    /// Returns no data so far, with the cache of `context`.
+    pub fn of(context: &Context) -> Self {
+        Self { store: context.store().cloned(), ..Self::default() }
+    }
+
     /// Largest size of a kept series \[bytes\].
     const MOST_KEPT: usize = 64 << 20;
 
@@ -203,12 +200,7 @@ fn layers(
 ) -> Result<(Arc<Layers>, Option<Error>)> {
     let layers = layer_settings(&settings.optics, sigma, settings.shortest, limits)?;
     let key = amplitude::cache::key(field, &layers, settings.shift)?;
-    let wanted = Wanted {
-        key,
-        name: "the spectra",
-        memory_limit: amplitude::cache::memory_limit(&layers),
-        cached: settings.cached,
-    };
+    let wanted = Wanted { key, name: "the spectra", memory_limit: amplitude::cache::memory_limit(&layers) };
     let make = |_: &mut InUse| compute_at(field, &layers, settings.shift, task);
     wanted.obtain(in_use, |in_use| &mut in_use.layers, make)
 }
@@ -227,7 +219,6 @@ fn table(
         key: Key::new(&ColorTable::FORMAT, &(settings.power_settings()?, &baked), field)?,
         name: "the colour table",
         memory_limit: baked.memory_limit as u64,
-        cached: settings.cached,
     };
     let powers = settings.power_settings()?;
     let make = |in_use: &mut InUse| {
@@ -261,8 +252,6 @@ struct Wanted {
     name: &'static str,
     // Largest size in memory \[bytes\].
     memory_limit: u64,
-    // True if the cache on disk keeps the data.
-    cached: bool,
 }
 
 impl Wanted {
@@ -277,7 +266,7 @@ impl Wanted {
         if let Some(data) = in_use_of(known(in_use), &self.key) {
             return Ok((data, None));
         }
-        let store = if self.cached { Store::open() } else { None };
+        let store = in_use.store.clone();
         let kept = store.as_ref().and_then(|store| store.load_kept(&self.key, self.memory_limit));
         let (data, note) = match kept {
             Some(data) => (data, None),

@@ -1,6 +1,7 @@
 //! Pictures of a scene: the data shared by all views is prepared once, then each view is drawn.
 
 use super::{InUse, SourceSettings, averages_footprints, beyond_of, pigment_alone, source};
+use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::optics::coherence::Beyond;
 use crate::render::exposure;
@@ -232,31 +233,34 @@ impl PreparedScene {
     }
 }
 
-/// Draws `scene` with the surface `field` on `device`. The computed data is kept in the cache on disk if
-/// [`SourceSettings::cached`] is set.
+/// Draws `scene` with the surface `field` on the device of `context`, whose cache keeps what is computed.
 ///
 /// # Errors
-/// Same as [`source`]; also fails if a pigment texture cannot be read, if the device is lost or out of memory, or if the task is cancelled.
+/// Same as [`source`]; also fails if a pigment texture cannot be read, if there is no device, if it is lost or out of memory, or if the task is cancelled.
 pub fn picture(
-    device: &Arc<Device>,
     scene: &Scene,
     field: &HeightField,
     settings: &PictureSettings,
+    context: &Context,
     task: &Task,
 ) -> Result<Picture> {
     let view = own_view(scene, &settings.source.optics);
     let field = Arc::new(field.clone());
     let surfaces = ObjectSurface::of(scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
-    let mut in_use = InUse::default();
+    let device = context.device()?;
+    let mut in_use = InUse::of(context);
     let make = |surface: &ObjectSurface| match &surface.field {
         Some(field) => {
             let made = source(field, &surface.source, device.candidate(), &mut in_use, task)?;
+            made.note.iter().for_each(|note| context.tell(note));
             Ok(made.source)
         }
         None => Ok(pigment_alone()),
     };
     let mut prepared =
-        PreparedScene::new(device, (scene, &surfaces), settings, slice::from_ref(&view), make)?;
+        PreparedScene::new(&device, (scene, &surfaces), settings, slice::from_ref(&view), make)?;
     prepared.check(&view)?;
-    prepared.draw(&view, task)
+    let picture = prepared.draw(&view, task)?;
+    context.keep_pipelines(&device);
+    Ok(picture)
 }

@@ -1,11 +1,12 @@
 //! Settings at the start of the window.
 
 use super::view_settings::ViewSettings;
+use crate::context::Context;
 use crate::error::Result;
 use crate::scene::Scene;
-use crate::vk::selection::DeviceChoice;
 use ash::vk;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Writes the command that draws the picture of settings of a scene. Supplied by the caller.
 pub type CommandLine = fn(&ViewSettings, &Scene, &Output<'_>) -> String;
@@ -23,31 +24,34 @@ pub struct Output<'a> {
 
 /// State kept from earlier windows: the last settings, and the recently opened files. The caller supplies storage and
 /// format.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone)]
 pub struct LastView {
     /// True if a window was kept.
     pub is_kept: bool,
     /// Keeps the settings of a scene for the next window.
     pub keep: fn(&ViewSettings, &Scene) -> Result<()>,
     /// Returns the start settings of a window that restores the last one.
-    pub open: fn() -> Result<Start>,
+    pub open: Arc<dyn Fn() -> Result<Start> + Send + Sync>,
     /// Returns the recently opened files, newest first.
     pub recent: fn() -> Vec<String>,
     /// Keeps the list of recently opened files.
     pub keep_recent: fn(&[String]) -> Result<()>,
 }
 
+/// Returns the start settings of a window of the scene of a name. Supplied by the caller.
+pub type OpenScene = dyn Fn(&str) -> Result<Start> + Send + Sync;
+
 /// Reading and writing of scene files with all settings of a window. The caller supplies the format of their options.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone)]
 pub struct SceneFiles {
     /// Returns the start settings of a window of the scene of this name.
-    pub open: fn(&str) -> Result<Start>,
+    pub open: Arc<OpenScene>,
     /// Writes the settings of a scene as a scene file.
     pub write: fn(&ViewSettings, &Scene, &Path) -> Result<()>,
 }
 
 /// Options of `diffract view`.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Start {
     /// Settings of the picture.
     pub settings: ViewSettings,
@@ -61,10 +65,8 @@ pub struct Start {
     pub fps: f64,
     /// Presentation mode.
     pub present: vk::PresentModeKHR,
-    /// The device to use.
-    pub device: DeviceChoice,
-    /// True to enable validation layers.
-    pub validation: bool,
+    /// Cache and choice of the device.
+    pub context: Context,
     /// Writes the command of a saved picture.
     pub command_line: CommandLine,
     /// Scene files.

@@ -20,10 +20,11 @@ use super::text_dump::TextDump;
 use super::view_settings::ViewSettings;
 use super::worker::Worker;
 use super::{layout, style};
+use crate::context::Context;
 use crate::error::{Error, Remedy, Result};
 use crate::render::frame::View;
 use crate::render::window_pass::PicturePlace;
-use crate::setup;
+use crate::setup::InUse;
 use crate::surface::HeightField;
 use crate::vk::device::Device;
 use crate::vk::instance::Instance;
@@ -185,6 +186,7 @@ pub struct ViewerWindow {
     recording: Option<Recording>,
     tried: Option<Tried>,
     scenes: SceneFiles,
+    context: Context,
     write_command: CommandLine,
     last: LastView,
     proxy: EventLoopProxy<Event>,
@@ -208,13 +210,13 @@ impl ViewerWindow {
                 Error::device(format!("the display is gone ({e})"), Remedy::PictureFile).caused_by(e)
             })?
             .as_raw();
-        let opened = Arc::new(Instance::for_windows(start.validation, display)?);
+        let opened = Arc::new(Instance::for_windows(start.context.validates(), display)?);
         *instance = Some(opened.clone());
         let surface = Arc::new(Surface::new(&opened, &window)?);
-        let device = Device::open_for(&surface, &start.device)?;
-        setup::load_pipelines(&device);
+        let device = Device::open_for(&surface, start.context.device_choice())?;
+        start.context.load_pipelines(&device);
         let presenter = Presenter::new(&device, &surface, &window, start.present)?;
-        let threads = Threads::start(&device, &proxy)?;
+        let threads = Threads::start(&device, &start.context, &proxy)?;
         let loaded = Arc::new(LoadedScene::of(start.plain.clone())?);
         let settings = start.settings.clone();
         let name = format!("{}, {}", device.candidate().name, device.reason());
@@ -229,9 +231,10 @@ impl ViewerWindow {
             saves: Vec::new(),
             recording: None,
             tried: None,
-            scenes: start.scenes,
+            scenes: start.scenes.clone(),
+            context: start.context.clone(),
             write_command: start.command_line,
-            last: start.last,
+            last: start.last.clone(),
             proxy,
             device,
             size: window.inner_size().into(),
@@ -291,7 +294,7 @@ impl ViewerWindow {
     /// # Errors
     /// Fails if the settings cannot be written.
     pub fn keep(&self) -> Result<()> {
-        setup::keep_pipelines(self.presenter.device());
+        self.context.keep_pipelines(self.presenter.device());
         if self.model.is_untouched() {
             return Ok(());
         }
@@ -444,10 +447,10 @@ impl ViewerWindow {
 
 impl Threads {
     /// Starts the render thread and the worker, which answer by events.
-    fn start(device: &Arc<Device>, proxy: &EventLoopProxy<Event>) -> Result<Self> {
+    fn start(device: &Arc<Device>, context: &Context, proxy: &EventLoopProxy<Event>) -> Result<Self> {
         // Events that are sent after the end of the event loop are dropped.
         let send = proxy.clone();
-        let worker = Worker::new(device.candidate(), Some(device.clone()), move |r| {
+        let worker = Worker::new(device.candidate(), Some(device.clone()), InUse::of(context), move |r| {
             drop(send.send_event(Event::Worker(r)));
         })?;
         let send = proxy.clone();

@@ -183,13 +183,14 @@ pub struct Worker {
 
 impl Worker {
     /// Starts a thread that prepares sources for a device of these `limits`, bakes tables on `device`, and sends its
-    /// replies to `reply`.
+    /// replies to `reply`. Sources share the data `in_use`.
     ///
     /// # Errors
     /// Fails if the system refuses a thread.
     pub fn new(
         limits: &Candidate,
         device: Option<Arc<Device>>,
+        in_use: InUse,
         reply: impl Fn(WorkerReply) + Send + Sync + 'static,
     ) -> Result<Self> {
         let queue = Arc::<RequestQueue>::default();
@@ -200,7 +201,7 @@ impl Worker {
             field: None,
             relief: None,
             of_objects: Vec::new(),
-            in_use: InUse::default(),
+            in_use,
         };
         let reply: Arc<Reply> = Arc::new(reply);
         let work = move || preparer.run(&requests, &reply);
@@ -411,7 +412,7 @@ mod tests {
     #[test]
     fn a_preview_comes_before_what_takes_its_time() {
         let (sender, reports) = mpsc::channel();
-        let worker = Worker::new(&device(), None, move |report| {
+        let worker = Worker::new(&device(), None, InUse::default(), move |report| {
             if !matches!(report, WorkerReply::Progress { .. } | WorkerReply::Field(_)) {
                 let _ = sender.send(report);
             }
@@ -430,7 +431,7 @@ mod tests {
     #[test]
     fn the_newest_request_wins_and_the_others_get_their_turn() {
         let (sender, reports) = mpsc::channel();
-        let worker = Worker::new(&device(), None, move |report| {
+        let worker = Worker::new(&device(), None, InUse::default(), move |report| {
             if !matches!(report, WorkerReply::Progress { .. } | WorkerReply::Field(_)) {
                 let _ = sender.send(report);
             }

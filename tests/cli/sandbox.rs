@@ -1,11 +1,17 @@
-//! A folder, a cache and a way to run the program in them.
+//! A folder, a cache and ways to run the program in them: inside the process of the tests, or as a process of its own.
 
+use diffract::cache::DEFAULT_LIMIT;
+use diffract::cli::{self, Streams};
+use diffract::context::Context;
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::fs;
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Arc, LazyLock, Mutex};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -151,9 +157,21 @@ impl Sandbox {
         command
     }
 
-    /// Runs the program to its end, with a stdin that stays open and says nothing.
+    /// Runs the program to its end: in this process, unless the sandbox has environment variables of its own.
     #[track_caller]
     pub fn run<A: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = A>) -> Outcome {
+        if !self.variables.is_empty() {
+            return self.run_alone(arguments);
+        }
+        let words = iter::once(OsString::from("diffract"))
+            .chain(arguments.into_iter().map(|word| word.as_ref().to_owned()))
+            .collect();
+        run_inside(words, self.path(""), shared_context().with_cache(self.cache(), DEFAULT_LIMIT))
+    }
+
+    /// Runs the program to its end in a process of its own, with a stdin that stays open and says nothing.
+    #[track_caller]
+    pub fn run_alone<A: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = A>) -> Outcome {
         let mut command = self.command(arguments);
         let child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
         outcome(child.unwrap())
@@ -164,6 +182,54 @@ impl Sandbox {
     pub fn run2(&self, start: &[&str], end: &[&str]) -> Outcome {
         self.run(start.iter().chain(end))
     }
+}
+
+/// The context of all runs inside this process, with one device. The library reads the same variable of validation as the program.
+fn shared_context() -> Context {
+    static SHARED: LazyLock<Context> = LazyLock::new(|| {
+        Context::default().with_validation(std::env::var_os("DIFFRACT_VALIDATION").is_some())
+    });
+    SHARED.clone()
+}
+
+/// Text that a run writes.
+#[derive(Clone, Default)]
+struct Written(Arc<Mutex<Vec<u8>>>);
+
+impl Written {
+    fn text(&self) -> String {
+        String::from_utf8_lossy(&self.0.lock().unwrap()).into_owned()
+    }
+}
+
+impl Write for Written {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Runs the program on `words` in a thread that works in `folder`.
+#[track_caller]
+fn run_inside(words: Vec<OsString>, folder: PathBuf, context: Context) -> Outcome {
+    let (output, errors) = (Written::default(), Written::default());
+    let streams = Streams::new(output.clone(), errors.clone());
+    let (sender, receiver) = channel();
+    let thread = std::thread::spawn(move || {
+        // SAFETY: the thread keeps its file descriptors in common with the others; only its working folder becomes its own.
+        unsafe { rustix::thread::unshare_unsafe(rustix::thread::UnshareFlags::FS) }.unwrap();
+        std::env::set_current_dir(folder).unwrap();
+        let _ = sender.send(cli::run(words, streams, &context)); // the test may have given up
+    });
+    let code = match receiver.recv_timeout(TIMEOUT) {
+        Ok(code) => code,
+        Err(RecvTimeoutError::Timeout) => panic!("the program hangs"),
+        Err(RecvTimeoutError::Disconnected) => std::panic::resume_unwind(thread.join().unwrap_err()),
+    };
+    Outcome { code: Some(code.into()), stdout: output.text(), stderr: errors.text() }
 }
 
 /// Waits for `child`, whose outputs are pipes.
@@ -203,7 +269,7 @@ pub fn grey_png(columns: u32, rows: u32, code: impl Fn(u32, u32) -> u8) -> Vec<u
 
 /// A PNG of any picture.
 pub fn encoded(picture: image::DynamicImage) -> Vec<u8> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut bytes = io::Cursor::new(Vec::new());
     picture.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.flush().unwrap();
     bytes.into_inner()

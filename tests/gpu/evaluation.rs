@@ -80,7 +80,7 @@ pub fn grating(layers: &Layers, copies: [u32; 2], field: &HeightField) -> Source
 
 /// `source` within the limit of energy of `field` under `optics`, as the program draws it.
 pub fn limited(source: Source, field: &HeightField, optics: &Optics) -> Source {
-    let settings = SourceSettings { cached: false, ..SourceSettings::new(optics.clone()) };
+    let settings = SourceSettings::new(optics.clone());
     source.limited(shared::limit(field, &settings))
 }
 

@@ -50,7 +50,7 @@ pub fn source(
     footprints: FootprintSizes,
 ) -> Source {
     let settings = SourceSettings::new(Optics { method, ..optics.clone() });
-    let settings = SourceSettings { cached: false, footprints, ..settings };
+    let settings = SourceSettings { footprints, ..settings };
     shared::source(device, field, &settings)
 }
 

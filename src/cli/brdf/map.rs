@@ -5,9 +5,9 @@
 
 use super::Arguments;
 use crate::brdf::Brdf;
+use crate::cli::console::Console;
 use crate::cli::options::OpticsOptions;
 use crate::cli::progress::ProgressBar;
-use crate::cli::say;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
 use crate::memory;
@@ -39,12 +39,17 @@ pub struct HemisphereMap {
 
 impl HemisphereMap {
     /// Evaluates the map of `field` that `arguments` describe, by `optics`.
-    pub fn of(arguments: &Arguments, optics: &OpticsOptions, field: &HeightField) -> Result<Self> {
+    pub fn of(
+        arguments: &Arguments,
+        optics: &OpticsOptions,
+        field: &HeightField,
+        console: &Console,
+    ) -> Result<Self> {
         let side = arguments.size;
         let count = u64::from(side) * u64::from(side);
         // Memory of the map, its displayed copy and the encoder of a picture.
         memory::ensure_room(count * 48, "the map")?;
-        let optics = optics.for_directions(&arguments.colour, field)?;
+        let optics = optics.for_directions(&arguments.colour, field, console)?;
         if let Some(wavelength) = arguments.wavelength {
             optics.reflectance.check_wavelength(wavelength)?;
         }
@@ -53,13 +58,13 @@ impl HemisphereMap {
         let mut of_orders = None;
         let parts = PixelParts::of(&optics, field, side, shortest);
         let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
-        prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, share| {
+        prepare::for_each_window(console, field, &settings, |brdf, share| {
             let averages = brdf.average_over(of_pixel(side));
             let parts = if averages { PixelParts::ONE } else { parts };
-            parts.warn();
+            parts.warn(console);
             let rule = gauss_legendre(parts.count);
             let directions = views(side, 0..side).count() * rule.len().pow(2) * arguments.light.len();
-            let bar = ProgressBar::over(DIRECTIONS, "a smaller --size", directions);
+            let bar = ProgressBar::over(console, DIRECTIONS, "a smaller --size", directions);
             // Figures alone say it.
             if arguments.plot.is_some() {
                 of_orders = albedo(arguments, brdf, &bar.task_of_parts())?;
@@ -165,10 +170,10 @@ impl PixelParts {
     }
 
     /// Warns of lobes between the directions.
-    fn warn(self) {
+    fn warn(self, console: &Console) {
         if self.needed > f64::from(self.count) {
             let times = (self.needed / f64::from(self.count)).ceil();
-            say(&format_args!(
+            console.say(&format_args!(
                 "a pixel has {0} x {0} directions, {times} times too few along each side for orders as narrow as those of this light: a \
                  larger --size has more of them",
                 self.count

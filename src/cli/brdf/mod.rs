@@ -5,10 +5,11 @@ pub(super) mod map;
 mod numbers;
 mod variant;
 
+use super::console::Console;
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions, exposure,
 };
-use super::{captions, evaluation, say};
+use super::{captions, evaluation};
 use crate::error::{Error, Result};
 use crate::figure::{FigureFormat, FigureStyle};
 use crate::files::Files;
@@ -107,8 +108,8 @@ fn side(text: &str) -> Result<u32> {
 }
 
 /// Evaluates the map and writes the results.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.cache.apply();
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
     let format = arguments.output.as_deref().map(MapFormat::of).transpose()?;
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     let style = arguments.figure.style(arguments.plot.is_some(), figure::panel_names(arguments))?;
@@ -126,13 +127,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         ways.iter().try_for_each(|optics| evaluation::check_single_wavelengths(optics.method()))?;
         evaluation::check_no_spectrum(&arguments.colour)?;
     }
-    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe", console)?;
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {
-        return compare(arguments, &field, variants, plot, &style);
+        return compare(arguments, &field, variants, plot, &style, console);
     }
-    let map = HemisphereMap::of(arguments, &arguments.optics, &field)?;
+    let map = HemisphereMap::of(arguments, &arguments.optics, &field, console)?;
     if let Some(plot) = &arguments.plot {
-        figure::of_map(arguments, &field, &map).save(plot, &style, &captions::notes(&field))?;
+        figure::of_map(arguments, &field, &map).save(plot, &style, &captions::notes(&field, console))?;
     }
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let is_spectral = arguments.wavelength.is_some();
@@ -145,7 +146,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, is_opaque: false };
     let illuminant = Illuminant::from_name_or_file(&arguments.colour.illuminant)?;
     let colour = arguments.wavelength.map_or(LightColour::Spectrum(&illuminant), LightColour::Wavelength);
-    let notes = captions::picture_notes(&field, &arguments.optics.reflectance(None), colour);
+    let notes = captions::picture_notes(console, &field, &arguments.optics.reflectance(None), colour);
     picture_file::write(path, format, &picture, &notes)
 }
 
@@ -156,14 +157,21 @@ fn compare(
     variants: &[Variant; 2],
     plot: &Path,
     style: &FigureStyle,
+    console: &Console,
 ) -> Result<()> {
     let [a, b] = variants.each_ref().map(|variant| variant.of(&arguments.optics));
     let optics = [a?, b?];
-    let maps =
-        [HemisphereMap::of(arguments, &optics[0], field)?, HemisphereMap::of(arguments, &optics[1], field)?];
-    figure::of_two(arguments, field, variants, &optics, &maps).save(plot, style, &captions::notes(field))?;
+    let maps = [
+        HemisphereMap::of(arguments, &optics[0], field, console)?,
+        HemisphereMap::of(arguments, &optics[1], field, console)?,
+    ];
+    figure::of_two(arguments, field, variants, &optics, &maps).save(
+        plot,
+        style,
+        &captions::notes(field, console),
+    )?;
     let deviation = figure::deviation(&maps[0].values(), &maps[1].values());
-    say(&format_args!("{} differs from {} by {deviation:.2e}", variants[0].name, variants[1].name));
+    console.say(&format_args!("{} differs from {} by {deviation:.2e}", variants[0].name, variants[1].name));
     Ok(())
 }
 

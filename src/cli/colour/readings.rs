@@ -1,6 +1,7 @@
 //! Readings of a spectrophotometer: colours and spectra toward single directions, or averaged over an aperture.
 
 use crate::brdf::Brdf;
+use crate::cli::console::Console;
 use crate::cli::progress::ProgressBar;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
@@ -13,7 +14,6 @@ use crate::settings::Optics;
 use crate::setup::SourceSettings;
 use crate::surface::HeightField;
 use crate::task::DIRECTIONS;
-use crate::vk::selection::DeviceChoice;
 use glam::{DQuat, DVec2, DVec3};
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
@@ -68,16 +68,17 @@ impl Detector<'_> {
         readings: &mut [AngleReading],
         field: &HeightField,
         optics: Optics,
-        wish: &DeviceChoice,
+        console: &Console,
     ) -> Result<Vec<Vec<f64>>> {
         let cones: Vec<Cone> = readings.iter().map(|reading| Cone::of(reading, self.aperture)).collect();
         let white = optics.illuminant.white();
         let settings = SourceSettings { shortest: SHORTEST, ..SourceSettings::new(optics) };
         let mut colours = vec![DVec3::ZERO; cones.len()];
         let mut spectra = vec![vec![0.0; cones.len()]; self.wavelengths.len()];
-        prepare::for_each_window(field, &settings, wish, |brdf, share| {
+        prepare::for_each_window(console, field, &settings, |brdf, share| {
             let count: usize = cones.iter().map(|cone| cone.pairs.len()).sum();
             let bar = ProgressBar::over(
+                console,
                 DIRECTIONS,
                 "a smaller number of readings",
                 count * (1 + self.wavelengths.len()),

@@ -2,7 +2,7 @@
 
 use super::preparation::PreparationOptions;
 use super::seed;
-use crate::cli::say;
+use crate::cli::console::Console;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::surface::files::Topography;
@@ -60,13 +60,14 @@ impl SurfaceOptions {
         positional: Option<&OsStr>,
         scene: Option<&Scene>,
         fallback: &str,
+        console: &Console,
     ) -> Result<HeightField> {
         let source = self.source(positional, scene, fallback)?;
-        source.prepare(self.read(&source)?.into_field()?)
+        source.prepare(self.read(&source, console)?.into_field()?)
     }
 
     /// Reads the heights of `source` without preparation; prints the warnings about them.
-    pub fn read(&self, source: &SurfaceSource) -> Result<Topography> {
+    pub fn read(&self, source: &SurfaceSource, console: &Console) -> Result<Topography> {
         let scan = source.read()?;
         let warnings = match scan.origin() {
             Some(origin) => origin.warnings.clone(),
@@ -74,7 +75,7 @@ impl SurfaceOptions {
             None => scan.questions(HeightSource::Given),
         };
         for warning in warnings {
-            say(&format_args!("{}: {warning}", source.name.display()));
+            console.say(&format_args!("{}: {warning}", source.name.display()));
         }
         Ok(scan)
     }

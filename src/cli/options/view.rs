@@ -1,7 +1,7 @@
 //! Options of camera, lights and display.
 
 use super::{Exposure, exposure};
-use crate::cli::say;
+use crate::cli::console::Console;
 use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::scene::environment::{self, Placement};
@@ -66,9 +66,9 @@ impl ViewOptions {
     ///
     /// # Errors
     /// An impossible camera; surroundings that cannot be read.
-    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+    pub fn apply(&self, scene: &mut Scene, console: &Console) -> Result<()> {
         light_by(&self.light, scene);
-        self.apply_environment(scene)?;
+        self.apply_environment(scene, console)?;
         if let Some(exposure) = self.exposure {
             scene.display.auto_exposure = exposure == Exposure::Auto;
             if let Exposure::Stops(stops) = exposure {
@@ -114,7 +114,7 @@ impl ViewOptions {
     }
 
     /// Applies the options of surroundings and shadows to `scene`.
-    fn apply_environment(&self, scene: &mut Scene) -> Result<()> {
+    fn apply_environment(&self, scene: &mut Scene, console: &Console) -> Result<()> {
         scene.shadows = self.shadows.unwrap_or(scene.shadows);
         match self.environment.as_deref() {
             None => {}
@@ -132,7 +132,7 @@ impl ViewOptions {
             None => {}
             Some(environment) => {
                 if let Some(note) = environment.note() {
-                    say(&note);
+                    console.say(&note);
                 }
                 let old = environment.placement;
                 environment.placement = Placement::new(

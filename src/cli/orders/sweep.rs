@@ -4,9 +4,10 @@ use super::{Arguments, NM_PER_UM, excess_of_sum, is_written, rounded};
 use crate::brdf::DiffractionOrder;
 use crate::brdf::energy_map::excess_note;
 use crate::brdf::mean::MeanBrdf;
+use crate::cli::console::Console;
 use crate::cli::progress::ProgressBar;
 use crate::cli::range::Range;
-use crate::cli::{evaluation, prepare, say, write};
+use crate::cli::{evaluation, prepare, write};
 use crate::error::{Error, Result};
 use crate::optics::geometry::{angles, direction};
 use crate::optics::polarisation::Polarisation;
@@ -163,6 +164,7 @@ pub fn of(
     field: &HeightField,
     cell: &HeightField,
     reflectance: &Reflectance,
+    console: &Console,
 ) -> Result<Vec<Vec<SweepPoint>>> {
     let (low, high) = field.range();
     let height = high - low;
@@ -174,9 +176,9 @@ pub fn of(
         reflectance.check_wavelength(wavelength)?;
     }
     let shortest = points.iter().flatten().map(|at| at.wavelength).fold(f64::INFINITY, f64::min);
-    prepare::warn_of_coarse_samples(field, shortest);
+    prepare::warn_of_coarse_samples(console, field, shortest);
     let count = points.iter().map(Vec::len).sum();
-    let bar = ProgressBar::new("orders", "a range with larger steps");
+    let bar = ProgressBar::new(console, "orders", "a range with larger steps");
     let mut done = 0;
     let mut stretched: Option<StretchedSurface> = None;
     let mut of_point = |conditions: &Conditions| -> Result<SweepPoint> {
@@ -284,27 +286,27 @@ pub fn table(runs: &[Vec<SweepPoint>]) -> Result<String> {
 }
 
 /// Tells what share of the light all orders take over the sweep, and where the theory sends too much.
-pub fn tell(sweep: &Sweep, runs: &[Vec<SweepPoint>]) {
+pub fn tell(sweep: &Sweep, runs: &[Vec<SweepPoint>], console: &Console) {
     let points = || runs.iter().flatten();
     let sums = points().map(|point| point.sum);
     let (least, most) = sums.fold((f64::INFINITY, 0.0f64), |(low, high), sum| (low.min(sum), high.max(sum)));
-    say(&format_args!(
+    console.say(&format_args!(
         "{} points; all orders together take {least:.4} to {most:.4} of the light",
         points().count()
     ));
     if let Some(excess) = excess_of_sum(most) {
-        say(&excess);
+        console.say(&excess);
     }
     let limit = points().map(|point| point.limit).fold(1.0, f64::max);
     if let Some(note) = excess_note(limit) {
-        say(&note);
+        console.say(&note);
     }
     let unknown: Vec<f64> = points()
         .filter(|point| point.errors.is_none())
         .map(|point| point.conditions.value(sweep.quantity))
         .collect();
     if let (Some(first), Some(last)) = (unknown.first(), unknown.last()) {
-        say(&format_args!(
+        console.say(&format_args!(
             "the theory's error is not known at {} of the points, between {first} and {last} (empty cells; `surface info` says why)",
             unknown.len()
         ));

@@ -5,9 +5,10 @@ mod figure;
 mod report;
 mod sweep;
 
+use super::console::Console;
 use super::options::{self, CacheOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
-use super::{captions, evaluation, say, write};
+use super::{captions, evaluation, write};
 use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
 use crate::files::Files;
@@ -177,8 +178,8 @@ fn period(text: &str) -> Result<f64> {
 }
 
 /// Searches the peaks and reports them.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.cache.apply();
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     let style = arguments.figure.style(arguments.plot.is_some(), &figure::PANELS)?;
     Files::new()
@@ -199,12 +200,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "give a larger step to --angles or --wavelengths",
         ));
     }
-    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe")?;
+    let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe", console)?;
     let optics = arguments.optics.for_wavelengths(&field)?;
     for nanometres in arguments.wavelengths.values() {
         optics.reflectance.check_wavelength(nanometres / NM_PER_UM)?;
     }
-    let (sweep, alone) = AngleSweep::of(arguments, &optics, &field)?;
+    let (sweep, alone) = AngleSweep::of(arguments, &optics, &field, console)?;
     let mut found = searched(arguments, &sweep);
     let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
     for of in &mut found {
@@ -212,13 +213,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     spread_over_windows(independent_windows(&optics, &field), &alone, &mut found);
     let windows: Vec<Vec<Found>> = asked.iter().map(|one| searched(arguments, one)).collect();
-    write::text(arguments.output.as_deref(), &report::table(&found)?)?;
-    tell(&found, &windows);
+    write::result(arguments.output.as_deref(), &report::table(&found)?, console)?;
+    tell(&found, &windows, console);
     let copies = CopiedPeriods::of(&optics, &field)?;
     if let Some(copies) = &copies {
-        say(copies);
+        console.say(copies);
     }
-    let notes = captions::notes(&field);
+    let notes = captions::notes(&field, console);
     if let Some(path) = &arguments.plot {
         figure::figure(arguments, &field, &sweep, &found).save(path, &style, &notes)?;
     }
@@ -264,22 +265,27 @@ fn spread_over_windows(independent: Option<f64>, alone: &[AngleSweep], found: &m
 const SCATTERED: f64 = 0.1;
 
 /// Prints the periods, a line each on stderr.
-fn tell(found: &[Found], windows: &[Vec<Found>]) {
+fn tell(found: &[Found], windows: &[Vec<Found>], console: &Console) {
     for (i, of) in found.iter().enumerate() {
         let order = of.sought.order;
         let which = if found.len() > 1 { format!("order {order}: ") } else { String::new() };
         if of.branches.is_empty() {
             for (window, alone) in windows.iter().enumerate() {
-                say(&format_args!("{which}window {} of {}: {}", window + 1, windows.len(), alone[i].line()));
+                console.say(&format_args!(
+                    "{which}window {} of {}: {}",
+                    window + 1,
+                    windows.len(),
+                    alone[i].line()
+                ));
             }
             let average = if windows.is_empty() { "" } else { "all windows: " };
-            say(&format_args!("{which}{average}{}", of.line()));
+            console.say(&format_args!("{which}{average}{}", of.line()));
         } else {
-            of.lines().iter().for_each(|line| say(&format_args!("{which}{line}")));
+            of.lines().iter().for_each(|line| console.say(&format_args!("{which}{line}")));
         }
         let (mean, deviation) = (of.statistics.mean.unwrap_or(0.0), of.statistics.deviation.unwrap_or(0.0));
         if deviation > SCATTERED * mean {
-            say(
+            console.say(
                 &"the brightest directions are not all of one order: narrow --angles, or give two --order and --period",
             );
         }

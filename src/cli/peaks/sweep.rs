@@ -1,6 +1,7 @@
 //! The response over wavelengths and view angles, and the peaks in it.
 
 use super::Arguments;
+use crate::cli::console::Console;
 use crate::cli::progress::ProgressBar;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
@@ -38,18 +39,24 @@ pub struct AngleSweep {
 impl AngleSweep {
     /// Returns the sweep averaged over the windows of `arguments`, and the sweeps of single windows from which its spread follows: of the
     /// same windows, or of some windows for the mean over all.
-    pub fn of(arguments: &Arguments, optics: &Optics, field: &HeightField) -> Result<(Self, Vec<Self>)> {
+    pub fn of(
+        arguments: &Arguments,
+        optics: &Optics,
+        field: &HeightField,
+        console: &Console,
+    ) -> Result<(Self, Vec<Self>)> {
         match optics.windows {
-            Windows::ONE => Ok((Self::through(arguments, optics, field)?, Vec::new())),
+            Windows::ONE => Ok((Self::through(arguments, optics, field, console)?, Vec::new())),
             Windows::Grid(counts) => {
-                let windows = Self::of_windows(arguments, optics, field, counts)?;
+                let windows = Self::of_windows(arguments, optics, field, counts, console)?;
                 Ok((Self::mean(&windows), windows))
             }
             Windows::All => {
-                let mean = Self::through(arguments, optics, field)?;
+                let mean = Self::through(arguments, optics, field, console)?;
                 let counts = Self::windows_of_spread(optics, field);
-                let windows =
-                    counts.map_or(Ok(Vec::new()), |n| Self::of_windows(arguments, optics, field, [n; 2]))?;
+                let windows = counts.map_or(Ok(Vec::new()), |n| {
+                    Self::of_windows(arguments, optics, field, [n; 2], console)
+                })?;
                 Ok((mean, windows))
             }
         }
@@ -70,6 +77,7 @@ impl AngleSweep {
         optics: &Optics,
         field: &HeightField,
         [n, m]: [u32; 2],
+        console: &Console,
     ) -> Result<Vec<Self>> {
         // Every window's sweep and the mean.
         let sweeps = u64::from(n) * u64::from(m) + 1;
@@ -77,7 +85,7 @@ impl AngleSweep {
         memory::ensure_room(sweeps * evaluations * size_of::<f64>() as u64, "the sweeps of all windows")?;
         let one = Optics { windows: Windows::ONE, ..optics.clone() };
         let mut windows = Vec::new();
-        let bar = ProgressBar::hidden("windows", "a smaller number of --windows", (n * m) as usize);
+        let bar = ProgressBar::hidden(console, "windows", "a smaller number of --windows", (n * m) as usize);
         bar.add(0);
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
             // A window elsewhere on the periodic surface is this window on the moved surface. The surface moves by whole samples, which are
@@ -86,7 +94,7 @@ impl AngleSweep {
                 (f64::from(part) / f64::from(of) * all as f64).round() as usize
             };
             let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
-            windows.push(Self::through(arguments, &one, &moved)?);
+            windows.push(Self::through(arguments, &one, &moved, console)?);
             bar.add(1);
         }
         Ok(windows)
@@ -112,7 +120,12 @@ impl AngleSweep {
         rest
     }
 
-    fn through(arguments: &Arguments, optics: &Optics, field: &HeightField) -> Result<Self> {
+    fn through(
+        arguments: &Arguments,
+        optics: &Optics,
+        field: &HeightField,
+        console: &Console,
+    ) -> Result<Self> {
         let wavelengths: Vec<f64> = arguments.wavelengths.values().iter().map(|nm| nm / 1e3).collect();
         let angles = arguments.angles.values();
         let evaluations = wavelengths.len() * angles.len();
@@ -123,8 +136,8 @@ impl AngleSweep {
         let pairs: Vec<Pair> = angles.iter().map(|&a| Pair::new(light, direction(a, azimuth))).collect();
         let mut responses = Vec::with_capacity(evaluations);
         let settings = SourceSettings { shortest: wavelengths[0], ..SourceSettings::new(optics.clone()) };
-        prepare::for_each_window(field, &settings, &arguments.device.wish(), |brdf, _| {
-            let bar = ProgressBar::over(DIRECTIONS, "a range with larger steps", evaluations);
+        prepare::for_each_window(console, field, &settings, |brdf, _| {
+            let bar = ProgressBar::over(console, DIRECTIONS, "a range with larger steps", evaluations);
             for &wavelength in &wavelengths {
                 let found = evaluation::ask(brdf, &pairs, Some(wavelength), &bar)?;
                 responses.extend(found.iter().map(|f| f.x));

@@ -4,6 +4,7 @@ mod report;
 
 use super::autotune::{TunedSetting, tune};
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
+use super::console::Console;
 use super::options::sample_pixels;
 use super::progress::ProgressBar;
 use super::{captions, prepare, write};
@@ -46,9 +47,9 @@ fn compared_pixels(text: &str) -> Result<usize> {
 }
 
 /// Measures the frame and reports.
-pub fn run(arguments: &Arguments) -> Result<()> {
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let options = &arguments.benchmark;
-    options.cache.apply();
+    let console = &options.device.chosen(&options.cache.limited(console));
     let files = Files::new()
         .reads([&options.scene])
         .reads(options.surface.files(None))
@@ -56,12 +57,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         .reads(options.optics.files())
         .writes(&arguments.json);
     files.check()?;
-    let scene = BenchmarkScene::open(options)?;
+    let scene = BenchmarkScene::open(options, console)?;
     files.reads(&scene.scene.files).check()?;
     let tuned = arguments.fps.map(|fps| tune(fps, &scene, &arguments.benchmark)).transpose()?;
     let options = tuned.as_ref().map_or(&arguments.benchmark, |tuned| &tuned.options);
     let report = profile(&scene, options, arguments)?;
-    prepare::finish(&scene.device)?;
+    prepare::finish(console, &scene.device)?;
     let mut text = report.text();
     if let (Some(fps), Some(tuned)) = (arguments.fps, &tuned) {
         text += &tuned_text(fps, tuned);
@@ -69,9 +70,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.explain {
         text += &report.budget_text();
     }
-    write::stdout(&text)?;
+    console.write(&text)?;
     if let Some(path) = &arguments.json {
-        write::json(path, &write::with_origin(&report, &captions::notes(&scene.field)))?;
+        write::json(path, &write::with_origin(&report, &captions::notes(&scene.field, console)))?;
     }
     Ok(())
 }
@@ -88,7 +89,7 @@ fn profile(
     arguments: &Arguments,
 ) -> Result<ProfileReport> {
     let mut benchmark = scene.prepare(options)?;
-    let bar = ProgressBar::new("frames", "a smaller number of --frames");
+    let bar = ProgressBar::new(&scene.console, "frames", "a smaller number of --frames");
     let frames = arguments.frames as usize;
     let times = measure(&mut benchmark.renderer, &scene.view, frames, f64::INFINITY, &bar.task())?;
     drop(bar);

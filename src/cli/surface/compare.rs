@@ -2,10 +2,11 @@
 
 use crate::cli::colour::readings::{AngleReading, Detector};
 use crate::cli::colour::{angles, aperture, aspecular};
+use crate::cli::console::Console;
 use crate::cli::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions,
 };
-use crate::cli::{captions, say, write};
+use crate::cli::{captions, write};
 use crate::error::{Error, Result, cause};
 use crate::figure::{Axis, AxisScale, Figure, FigureFormat, Mark, Panel, palette};
 use crate::files::Files;
@@ -88,8 +89,8 @@ struct ComparedSurface {
 }
 
 /// Measures the surfaces and writes them.
-pub fn run(arguments: &CompareArguments) -> Result<()> {
-    arguments.cache.apply();
+pub fn run(arguments: &CompareArguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
     arguments.plot.as_deref().map(FigureFormat::of).transpose()?;
     let style = arguments.figure.style(arguments.plot.is_some(), &[PANEL])?;
     if arguments.surface.surface.is_some() {
@@ -113,11 +114,11 @@ pub fn run(arguments: &CompareArguments) -> Result<()> {
     }
     let mut compared = Vec::new();
     for (name, of_folder) in &surfaces {
-        match arguments.surface.load(Some(name), None, "") {
-            Ok(field) => compared.push(ComparedSurface::of(arguments, name, &field, &asked)?),
+        match arguments.surface.load(Some(name), None, "", console) {
+            Ok(field) => compared.push(ComparedSurface::of(arguments, name, &field, &asked, console)?),
             // A folder may hold other files, too.
             Err(e) if *of_folder && surfaces.len() > 1 => {
-                say(&format_args!("left out: {}", e.at(name.to_string_lossy())));
+                console.say(&format_args!("left out: {}", e.at(name.to_string_lossy())));
             }
             Err(e) => return Err(e),
         }
@@ -128,8 +129,8 @@ pub fn run(arguments: &CompareArguments) -> Result<()> {
             "name files that `diffract surface info` reads",
         ));
     }
-    write::text(arguments.output.as_deref(), &table(&compared)?)?;
-    let notes = Notes::new(captions::own_command(), &preparation(&compared));
+    write::result(arguments.output.as_deref(), &table(&compared)?, console)?;
+    let notes = Notes::new(captions::own_command(console), &preparation(&compared));
     arguments.plot.as_deref().map_or(Ok(()), |path| figure(&compared).save(path, &style, &notes))
 }
 
@@ -189,11 +190,12 @@ impl ComparedSurface {
         name: &OsStr,
         field: &HeightField,
         asked: &[AngleReading],
+        console: &Console,
     ) -> Result<Self> {
-        let optics = arguments.optics.for_directions(&arguments.colour, field)?;
+        let optics = arguments.optics.for_directions(&arguments.colour, field, console)?;
         let detector = Detector { aperture: arguments.aperture, wavelengths: &[] };
         let mut readings = asked.to_vec();
-        detector.read(&mut readings, field, optics, &arguments.device.wish())?;
+        detector.read(&mut readings, field, optics, console)?;
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
             samples: [field.columns(), field.rows()],

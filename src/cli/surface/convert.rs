@@ -1,8 +1,9 @@
 //! `diffract surface convert`: one format to another, after preparation if steps are given.
 
 use super::super::options::SurfaceOptions;
-use super::super::{captions, say, write};
 use super::report;
+use crate::cli::captions;
+use crate::cli::console::Console;
 use crate::error::Result;
 use crate::files::Files;
 use crate::surface::files::Topography;
@@ -30,25 +31,25 @@ pub struct Convert {
 }
 
 /// Reads the file and writes it in another format; preparation steps apply to heights whose gaps are filled.
-pub fn run(arguments: &Convert) -> Result<()> {
+pub fn run(arguments: &Convert, console: &Console) -> Result<()> {
     let path = &arguments.output;
     let format = ScanFormat::of(path)?;
     let name = arguments.surface_name.as_deref();
     Files::new().reads(arguments.surface.files(name)).writes([path]).check()?;
     let source = arguments.surface.source(name, None, "elaphe")?;
-    let mut scan = arguments.surface.read(&source)?;
+    let mut scan = arguments.surface.read(&source, console)?;
     if !source.prepare.is_empty() {
         scan = Topography::of(source.prepare(scan.into_field()?)?);
     }
-    save(path, format, &scan)
+    save(path, format, &scan, console)
 }
 
 /// Writes `scan` and prints the options that read it back.
-pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography) -> Result<()> {
-    write_surface(path, format, scan, captions::own_command())?;
+pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography, console: &Console) -> Result<()> {
+    write_surface(path, format, scan, captions::own_command(console))?;
     let lost = rounding(format, scan);
     if lost > NOTABLE_ROUNDING {
-        say(&format_args!(
+        console.say(&format_args!(
             "{}: 32-bit floats round the heights by up to {lost:.1e} of their range, because they stand on a large offset; --level mean takes the offset \
              away, and .gwy, .npy, .txt and .x3p hold every digit",
             path.display()
@@ -59,5 +60,5 @@ pub(super) fn save(path: &Path, format: ScanFormat, scan: &Topography) -> Result
     } else {
         format!("; read it with {}", report::spacing_option(scan))
     };
-    write::stdout(&format!("{}: {}{hint}\n", path.display(), report::size(scan)))
+    console.write(&format!("{}: {}{hint}\n", path.display(), report::size(scan)))
 }

@@ -1,6 +1,7 @@
 //! Colours of a surface over all directions: an overview for the page of `surface info`, computed on the CPU.
 
 use crate::cli::brdf::map::{HemisphereMap, views};
+use crate::cli::console::Console;
 use crate::cli::progress::ProgressBar;
 use crate::error::Result;
 use crate::figure::{Mark, MarkShape, Panel, Raster, palette};
@@ -41,9 +42,13 @@ const SLANTED: f64 = 45.0;
 ///
 /// # Errors
 /// A surface that is too high for the series in z, or too little memory.
-pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel>, String)> {
+pub fn panels(
+    field: &HeightField,
+    statistics: &Statistics,
+    console: &Console,
+) -> Result<(Vec<Panel>, String)> {
     let part = middle(field);
-    let table = table(&part)?;
+    let table = table(&part, console)?;
     let across = statistics.periods.first().map_or(0.0, |period| period.direction.round());
     let across = if across == 0.0 { 0.0 } else { across }; // −0° reads oddly
     let above = panel(&table, 0.0, 0.0, "straight above".to_owned()).called("colours-above");
@@ -62,7 +67,7 @@ pub fn panels(field: &HeightField, statistics: &Statistics) -> Result<(Vec<Panel
 }
 
 /// Bakes the colour table of `field`.
-fn table(field: &HeightField) -> Result<Arc<ColorTable>> {
+fn table(field: &HeightField, console: &Console) -> Result<Arc<ColorTable>> {
     let sigma = Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE);
     let powers = PowerSettings::new(sigma, setup::beyond_of(field), TOLERANCE);
     let colours = TableSettings {
@@ -71,7 +76,7 @@ fn table(field: &HeightField) -> Result<Arc<ColorTable>> {
         memory_limit: MEMORY,
         ..TableSettings::new(Illuminant::D65, TOLERANCE)
     };
-    let bar = ProgressBar::new("orders", "a part of the surface (--crop)");
+    let bar = ProgressBar::new(console, "orders", "a part of the surface (--crop)");
     let series = OrderSeries::new(field, &powers, &bar.task())?;
     Ok(Arc::new(bake(&series, &colours, &bar.task())?))
 }
@@ -170,11 +175,12 @@ mod tests {
 
     #[test]
     fn the_colours_are_those_of_the_mean_in_f64_averaged_alike() {
+        let console = &Console::silent();
         /// Bound a little above the measured value of *Elaphe*.
         const MEASURED: f64 = 0.125;
         for kind in [SurfaceKind::Elaphe, SurfaceKind::Bumps] {
             let field = small(kind);
-            let table = table(&field).unwrap();
+            let table = table(&field, console).unwrap();
             let light = direction(SLANTED, 20.0);
             let map = map(&table, light);
             let sigma = COHERENCE / 4.0;
@@ -203,9 +209,10 @@ mod tests {
 
     #[test]
     fn the_orders_of_a_grating_stand_where_the_grating_equation_says() {
+        let console = &Console::silent();
         // 2.5 µm along x in light from above: the first order of green, 550 nm, at sin θ = 0.22 on the x axis.
         let field = small(SurfaceKind::Blaze);
-        let map = map(&table(&field).unwrap(), DVec3::Z);
+        let map = map(&table(&field, console).unwrap(), DVec3::Z);
         let at = |x: f64, y: f64| {
             let place = |s: f64| ((s + 1.0) / 2.0 * f64::from(SIDE)) as usize;
             map.pixels[place(-y) * SIDE as usize + place(x)]
@@ -217,13 +224,14 @@ mod tests {
 
     #[test]
     fn a_page_can_have_colours_of_the_smallest_fields_and_of_a_mirror() {
+        let console = &Console::silent();
         let fields = [
             HeightField::new(1, 1, [0.1; 2], vec![0.0]).unwrap(),
             HeightField::new(9, 1, [0.1; 2], vec![0.02; 9]).unwrap(),
             small(SurfaceKind::Flat),
         ];
         for field in fields {
-            let (panels, words) = panels(&field, &Statistics::of(&field).unwrap()).unwrap();
+            let (panels, words) = panels(&field, &Statistics::of(&field).unwrap(), console).unwrap();
             assert!(panels.len() == 2 && words.contains("D65"), "{words}");
         }
     }

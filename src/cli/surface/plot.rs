@@ -1,6 +1,7 @@
 //! One page about a height field: the heights, profiles, the spectrum, the predicted colours, and the distributions of heights and slopes.
 
 use super::hemisphere;
+use crate::cli::console::Console;
 use crate::error::Result;
 use crate::figure::{Axis, AxisScale, ColorMap, ColorScale, Figure, Mark, Panel, Raster, palette};
 use crate::optics::spectrum::{LONGEST, SHORTEST};
@@ -34,6 +35,7 @@ pub fn figure(
     field: &HeightField,
     statistics: &Statistics,
     theory: &ScalarTheory,
+    console: &Console,
 ) -> Result<Figure> {
     let spectrum = SurfaceSpectrum::windowed(&analysed_part(field))?;
     let name = std::path::Path::new(&source.name)
@@ -43,7 +45,7 @@ pub fn figure(
         .panel_size(PANEL[0], PANEL[1])
         .row(vec![heights(field, statistics), power(&spectrum)]);
     // Without colours the page is still useful.
-    let colours = match hemisphere::panels(field, statistics) {
+    let colours = match hemisphere::panels(field, statistics, console) {
         Ok((panels, words)) => {
             figure = figure.row(panels);
             words
@@ -296,6 +298,7 @@ mod tests {
 
     #[test]
     fn the_page_of_every_built_in_surface_has_all_panels_and_no_number_that_is_none() {
+        let console = &Console::silent();
         for kind in SurfaceKind::ALL {
             let source = SurfaceSource::built_in(kind);
             let field = source.load().unwrap();
@@ -303,7 +306,7 @@ mod tests {
                 let green = LightColour::Wavelength(0.55);
                 ScalarTheory::of_field(&field, &Default::default(), green).unwrap()
             };
-            let svg = figure(&source, &field, &Statistics::of(&field).unwrap(), &theory)
+            let svg = figure(&source, &field, &Statistics::of(&field).unwrap(), &theory, console)
                 .unwrap()
                 .svg(&FigureStyle::default(), &Notes::default())
                 .unwrap();

@@ -6,10 +6,11 @@ mod figure;
 pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps, is_impossible};
+use super::console::Console;
 use super::options::{CacheOptions, DeviceOptions, FigureOptions, SurfaceOptions, coherence, ior, tolerance};
 use super::progress::ProgressBar;
 use super::remedies::in_options;
-use super::{captions, prepare, say, write};
+use super::{captions, prepare, write};
 use crate::error::{Error, Result};
 use crate::figure::FigureStyle;
 use crate::files::Files;
@@ -88,16 +89,16 @@ const FILES: [&str; 4] = ["trade.csv", "trade.md", "trade.svg", "trade.png"];
 const LIMITS: TimingLimits = TimingLimits { frames: 9, seconds: 3.0 };
 
 /// Measures the settings and writes the results.
-pub fn run(arguments: &Arguments) -> Result<()> {
-    arguments.cache.apply();
+pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
+    let console = &arguments.device.chosen(&arguments.cache.limited(console));
     if arguments.folder.as_os_str().is_empty() {
         return Err(Error::usage("--folder: the name is empty", "give the results a folder"));
     }
     let style = arguments.figure.style(true, &figure::PANELS)?;
-    let mut sweep = TradeSweep::open(arguments)?;
+    let mut sweep = TradeSweep::open(arguments, console)?;
     sweep.measure_settings()?;
     sweep.measure_baselines()?;
-    prepare::finish(&sweep.scene.device)?;
+    prepare::finish(console, &sweep.scene.device)?;
     sweep.report(&style)
 }
 
@@ -115,8 +116,8 @@ struct TradeSweep<'a> {
 
 impl<'a> TradeSweep<'a> {
     /// Opens the scene, and reads the rows of a sweep that was interrupted.
-    fn open(arguments: &'a Arguments) -> Result<Self> {
-        let scene = BenchmarkScene::open(&setting(arguments, "")?)?;
+    fn open(arguments: &'a Arguments, console: &Console) -> Result<Self> {
+        let scene = BenchmarkScene::open(&setting(arguments, "")?, console)?;
         // The folder is made when there is something to write.
         if arguments.folder.exists() {
             let illuminant = Some(&arguments.illuminant).filter(|name| !Illuminant::is_built_in(name));
@@ -129,7 +130,7 @@ impl<'a> TradeSweep<'a> {
                 .check()?;
         }
         let frame = frame_key(arguments, &scene);
-        let rows = read_rows(&arguments.folder.join("trade.csv"), &frame)?;
+        let rows = read_rows(&arguments.folder.join("trade.csv"), &frame, console)?;
         let (references, impossible) = (References::default(), Vec::new());
         Ok(Self { arguments, scene, frame, references, rows, impossible })
     }
@@ -143,12 +144,12 @@ impl<'a> TradeSweep<'a> {
         self.rows.push(row);
         let folder = &self.arguments.folder;
         std::fs::create_dir_all(folder).map_err(|e| output::write_failed(folder, e))?;
-        write::text(Some(&self.file("trade.csv")), &trade::csv(&self.rows)?)
+        write::file(&self.file("trade.csv"), &trade::csv(&self.rows)?)
     }
 
     fn measure_settings(&mut self) -> Result<()> {
         let settings = settings(self.arguments.quick);
-        let bar = ProgressBar::new("settings", "--quick");
+        let bar = ProgressBar::new(&self.scene.console, "settings", "--quick");
         let count = settings.len();
         for (done, flags) in settings.into_iter().enumerate() {
             bar.show(&Progress { stage: "settings", done, of: count });
@@ -218,9 +219,9 @@ impl<'a> TradeSweep<'a> {
             ));
         }
         let (rows, heading) = (&self.rows, self.heading());
-        let notes = captions::notes(&self.scene.field);
+        let notes = captions::notes(&self.scene.field, &self.scene.console);
         let table = trade::markdown(rows, &heading, &self.impossible);
-        write::text(Some(&self.file("trade.md")), &format!("{table}\n```text\n{}\n```\n", notes.text()))?;
+        write::file(&self.file("trade.md"), &format!("{table}\n```text\n{}\n```\n", notes.text()))?;
         let figure = figure(rows, "Speed against accuracy", &heading);
         figure.save(&self.file("trade.svg"), style, &notes)?;
         figure.save(&self.file("trade.png"), style, &notes)?;
@@ -228,7 +229,7 @@ impl<'a> TradeSweep<'a> {
             (None, None) => String::new(),
             (error, fps) => trade::wanted(rows, error, fps),
         };
-        write::stdout(&format!("{heading}\n{}{wanted}", trade::advice(rows)))
+        self.scene.console.write(&format!("{heading}\n{}{wanted}", trade::advice(rows)))
     }
 
     fn heading(&self) -> String {
@@ -321,13 +322,13 @@ fn frame_key(arguments: &Arguments, scene: &BenchmarkScene) -> String {
 }
 
 /// Reads the measurements of `frame` from the file `path`; none if there is no such file.
-fn read_rows(path: &Path, frame: &str) -> Result<Vec<Measurement>> {
+fn read_rows(path: &Path, frame: &str, console: &Console) -> Result<Vec<Measurement>> {
     if !path.exists() {
         return Ok(Vec::new());
     }
     let rows = trade::from_csv(&input::read_text(path, "another folder, or remove this file")?, frame);
     if !rows.is_empty() {
-        say(&format_args!("{} settings are taken from {}", rows.len(), path.display()));
+        console.say(&format_args!("{} settings are taken from {}", rows.len(), path.display()));
     }
     Ok(rows)
 }

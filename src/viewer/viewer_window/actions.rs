@@ -148,7 +148,7 @@ impl ViewerWindow {
     /// start are restored too.
     fn open_scene(&mut self, name: String, resets: bool) {
         let message = format!("opening {name}");
-        let open = self.scenes.open;
+        let open = self.scenes.open.clone();
         self.open_aside(message, move || {
             let failed = |e| OpenedScene { name: name.clone(), resets, loaded: Err(e), settings: None };
             let scene = match Scene::open(&name) {
@@ -229,7 +229,7 @@ impl ViewerWindow {
 
     /// Restores the window that was closed last.
     fn go_on(&mut self) {
-        let open = self.last.open;
+        let open = self.last.open.clone();
         self.open_aside("opening what the last window showed".to_owned(), move || match open() {
             Ok(start) => {
                 let settings = start.settings;

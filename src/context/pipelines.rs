@@ -48,27 +48,25 @@ fn key(device: &Device) -> Result<Key> {
     )
 }
 
-/// Adds the pipelines that the cache keeps for `device` to it. Without any, the driver compiles all of them.
-pub fn load_pipelines(device: &Device) {
-    let Some(store) = Store::open() else { return };
+/// Adds the pipelines that `store` keeps for `device` to it. Without any, the driver compiles all of them.
+pub(super) fn load(device: &Device, store: &Store) {
     let Ok(key) = key(device) else { return }; // without a key, nothing is kept
     if let Some(Pipelines { data }) = store.load_kept(&key, LARGEST) {
         let _ = device.add_pipelines(&data); // refused ones are compiled again
     }
 }
 
-/// Keeps the pipelines of `device` in the cache, if there are more than it has. Where they outgrow their room, none are
+/// Keeps the pipelines of `device` in `store`, if there are more than it has. Where they outgrow their room, none are
 /// kept, and those of the next run come in their place. Failures are ignored: the next start compiles them again.
-pub fn keep_pipelines(device: &Device) {
-    let Some(store) = Store::open() else { return };
+pub(super) fn save(device: &Device, store: &Store) {
     let (Ok(key), Ok(data)) = (key(device), device.pipeline_data()) else { return };
     if data.is_empty() {
         return;
     }
-    let _ = keep(&store, &key, data); // the next start compiles them again
+    let _ = keep(store, &key, data); // the next start compiles them again
 }
 
-/// Keeps `data` as the pipelines of `key`, as [`keep_pipelines`] describes.
+/// Keeps `data` as the pipelines of `key`, as [`save`] describes.
 fn keep(store: &Store, key: &Key, data: Vec<u8>) -> Result<()> {
     let room = LARGEST.min(store.limit() / SHARE);
     let known = store.load_kept::<Pipelines>(key, LARGEST).map_or(0, |kept| kept.data.len());

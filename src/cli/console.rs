@@ -1,0 +1,187 @@
+//! One run of the program: its words, its streams, how much it says, and the context of its work.
+
+use super::closed_stdout;
+use super::remedies::in_options;
+use super::write::without_controls;
+use crate::context::Context;
+use crate::error::{self, Error, Result};
+use clap::Args;
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::fmt::Display;
+use std::io::{self, IsTerminal, Write};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Where a run writes its results and what it says.
+pub struct Streams {
+    /// Results.
+    pub output: Box<dyn Write + Send>,
+    /// Errors and notes.
+    pub errors: Box<dyn Write + Send>,
+    /// True if bars of progress are drawn on the terminal of the process, and results are lost where it has no stdout.
+    is_process: bool,
+}
+
+impl Streams {
+    /// Returns streams to `output` for results and `errors` for errors and notes. No bars are drawn.
+    pub fn new(output: impl Write + Send + 'static, errors: impl Write + Send + 'static) -> Self {
+        Self { output: Box::new(output), errors: Box::new(errors), is_process: false }
+    }
+
+    /// Returns the streams of the process, with bars of progress if stderr is a terminal.
+    pub fn of_process() -> Self {
+        Self { is_process: true, ..Self::new(io::stdout(), io::stderr()) }
+    }
+}
+
+/// How much a run says beside results and errors.
+#[derive(Args, Clone, Copy, Debug, Default)]
+#[command(next_help_heading = "Program")]
+pub struct Verbosity {
+    /// Print more on stderr
+    #[arg(short, long, global = true)]
+    verbose: bool,
+    /// Print nothing on stderr but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+}
+
+/// One run of the program. Clones are the same run.
+#[derive(Clone)]
+pub struct Console {
+    shared: Arc<Shared>,
+    verbosity: Verbosity,
+    context: Context,
+}
+
+/// Parts of a run that never change, and its streams.
+struct Shared {
+    words: Vec<OsString>,
+    streams: Mutex<Streams>,
+    /// Notes that are told once.
+    told: Mutex<BTreeSet<&'static str>>,
+}
+
+impl Console {
+    /// Returns a run of the program on `words`, its name first.
+    pub fn new(words: Vec<OsString>, streams: Streams, context: Context) -> Self {
+        let shared = Shared { words, streams: Mutex::new(streams), told: Mutex::default() };
+        Self { shared: Arc::new(shared), verbosity: Verbosity::default(), context }
+    }
+
+    /// Returns a run whose words nobody reads, without a cache.
+    #[cfg(test)]
+    pub fn silent() -> Self {
+        Self::new(Vec::new(), Streams::new(io::sink(), io::sink()), Context::default())
+    }
+
+    /// Returns the run that says as much as `verbosity` asks for, notes of its context included.
+    pub fn saying(mut self, verbosity: Verbosity) -> Self {
+        self.verbosity = verbosity;
+        let shared = Self { context: Context::default(), ..self.clone() };
+        self.in_context(move |context| context.with_notes(move |note| shared.say(&in_options(note))))
+    }
+
+    /// Returns the run with the context that `change` returns.
+    pub fn in_context(self, change: impl FnOnce(Context) -> Context) -> Self {
+        Self { context: change(self.context), ..self }
+    }
+
+    /// Returns the words of the command line, the program's name first.
+    pub fn words(&self) -> &[OsString] {
+        &self.shared.words
+    }
+
+    /// Returns the context of the work.
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Returns true if only errors are wanted.
+    pub fn is_quiet(&self) -> bool {
+        self.verbosity.quiet
+    }
+
+    /// Returns true if bars of progress are wanted, which are drawn where the process has a terminal.
+    pub fn has_bars(&self) -> bool {
+        !self.is_quiet() && self.streams().is_process
+    }
+
+    /// Prints one line that a user should know.
+    pub fn say(&self, line: &dyn Display) {
+        if !self.is_quiet() {
+            self.print(line);
+        }
+    }
+
+    /// Prints one line that a user should know, unless a line has been printed under this `name`.
+    pub fn say_once(&self, name: &'static str, line: &dyn Display) {
+        if self.shared.told.lock().unwrap_or_else(PoisonError::into_inner).insert(name) {
+            self.say(line);
+        }
+    }
+
+    /// Prints one line if the user asked for more.
+    pub fn detail(&self, line: &dyn Display) {
+        if self.verbosity.verbose {
+            self.print(line);
+        }
+    }
+
+    /// Prints one line even if only errors are wanted; closed streams are no error.
+    pub fn print(&self, line: &dyn Display) {
+        let line = without_controls(&line.to_string());
+        let _ = writeln!(self.streams().errors, "diffract: {line}"); // nobody listens
+    }
+
+    /// Writes a result, without control characters that a terminal would obey.
+    ///
+    /// # Errors
+    /// Fails if there is no such stream, or if it cannot be written. A closed pipe is no error: the reader has read all that it wanted.
+    pub fn write(&self, text: &str) -> Result<()> {
+        let mut streams = self.streams();
+        check_stdout(&streams)?;
+        let text = without_controls(text);
+        written(streams.output.write_all(text.as_bytes()).and_then(|()| streams.output.flush()))
+    }
+
+    /// Writes the help or the version that the parser has made, in colours if the process has a terminal.
+    ///
+    /// # Errors
+    /// Those of [`Self::write`].
+    pub fn write_help(&self, help: &clap::Error) -> Result<()> {
+        let mut streams = self.streams();
+        check_stdout(&streams)?;
+        let text = help.render();
+        let in_colours = streams.is_process && io::stdout().is_terminal();
+        let text = if in_colours { text.ansi().to_string() } else { text.to_string() };
+        written(streams.output.write_all(text.as_bytes()).and_then(|()| streams.output.flush()))
+    }
+
+    fn streams(&self) -> MutexGuard<'_, Streams> {
+        self.shared.streams.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Fails if the process has no stdout: nobody reads the result.
+fn check_stdout(streams: &Streams) -> Result<()> {
+    if streams.is_process && closed_stdout::is_closed() {
+        return Err(Error::files(
+            "stdout is closed, so that the result is lost",
+            "send it to a file or a program",
+        ));
+    }
+    Ok(())
+}
+
+/// Returns the outcome of writing a result.
+fn written(outcome: io::Result<()>) -> Result<()> {
+    match outcome {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::files(
+            format!("stdout cannot be written: {}", error::cause(&e)),
+            "check where it goes",
+        )
+        .caused_by(e)),
+        _ => Ok(()),
+    }
+}
