@@ -2,31 +2,22 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what an example does")]
 
-use diffract::prelude::*;
-use std::sync::Arc;
-
-/// Relative error of the colours.
-const TOLERANCE: f64 = 1e-2;
+use diffract::{Context, HeightField, Optics, Result, Spec, SurfaceColours, SurfaceKind, Task, direction};
 
 fn main() -> Result<()> {
     // A sinusoidal grating, 2 µm from crest to crest and 0.2 µm high.
-    let field = synth::generate(&Spec::new(SurfaceKind::Sinusoid))?;
-    // Light of a coherence length of 20 µm; the window's standard deviation is a quarter of it.
-    // Series and table both err: half of the tolerance for the series leaves most of it to the table.
-    let settings = PowerSettings::new(20.0 / 4.0, Beyond::Copies, 0.5 * TOLERANCE);
-    // A task may report both steps, and cancel them.
-    let task = Task::silent();
-    let series = OrderSeries::new(&field, &settings, &task)?;
-    let table = Arc::new(bake(&series, &TableSettings::new(Illuminant::D65, TOLERANCE), &task)?);
-    println!("a table of {:.1} MiB", table.bytes() as f64 / f64::from(1 << 20));
+    let field = HeightField::generate(&Spec::new(SurfaceKind::Sinusoid))?;
+    // Light of a coherence length of 20 µm; colours may err by a hundredth.
+    let optics = Optics::new().with_coherence_length(20.0).with_tolerance(1e-2);
+    // The context has the user's cache: the second run reads what the first one made. A task may report each step, and cancel it.
+    let colours = SurfaceColours::new(&field, &optics, 0.0, &Context::new(), &Task::silent())?;
+    println!("a table of {:.1} MiB", colours.bytes() as f64 / f64::from(1 << 20));
 
-    // X, Y, Z of BRDF times cosine, for light 30° from the normal and viewers on the other side.
-    let reader = TableReader::new(Arc::clone(&table));
-    for angle in [5.0, 10.0, 15.0, 50.0, 60.0] {
-        let pair = Pair::new(direction(30.0, 0.0), direction(angle, 180.0));
-        // One direction; a pixel would average over the covariance of (u, v) in its footprint.
-        let xyz = reader.xyz(&pair, &1.5.into(), &Covariance::default());
-        println!("{angle} degrees: {:.5} {:.5} {:.5}", xyz.x, xyz.y, xyz.z);
+    // X, Y, Z of the BRDF, for light 30° from the normal and viewers on the other side. A pixel would average over its footprint, here 0.
+    let angles = [5.0, 10.0, 15.0, 50.0, 60.0];
+    let pairs = angles.map(|angle| [direction(30.0, 0.0), direction(angle, 180.0)]);
+    for (angle, [x, y, z]) in angles.iter().zip(colours.xyz(&pairs, 0.0)) {
+        println!("{angle} degrees: {x:.5} {y:.5} {z:.5}");
     }
     Ok(())
 }

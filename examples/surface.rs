@@ -2,7 +2,7 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what an example does")]
 
-use diffract::prelude::*;
+use diffract::{HeightField, Optics, Result, SurfaceBrdf, Task, direction, display_srgb, linear_srgb};
 use std::f64::consts::TAU;
 
 /// Period along x and along y [µm].
@@ -13,23 +13,24 @@ fn main() -> Result<()> {
     let spacing = PERIOD / 16.0;
     let wave = |x: f64| (TAU * x / PERIOD).cos();
     let field = HeightField::from_fn(192, 192, [spacing, spacing], |x, y| 0.1 * wave(x) * wave(y))?;
-    let surface = MeanReference::new(MeanBrdf::in_sunlight(&field, 1.5), Illuminant::D65, 0.38);
+    let task = Task::silent();
+    let surface = SurfaceBrdf::new(&field, &Optics::new().by_reference(), &task)?;
 
     // Light from the normal leaves along the diagonals. The brightest direction of each wavelength is its first order.
     let angles: Vec<f64> = (0..5000).map(|i| 10.0 + 0.01 * f64::from(i)).collect();
-    let pair = |angle: &f64| Pair::new(direction(0.0, 0.0), direction(*angle, 45.0));
-    let pairs: Vec<Pair> = angles.iter().map(pair).collect();
+    let pair = |angle: &f64| [direction(0.0, 0.0), direction(*angle, 45.0)];
+    let pairs: Vec<_> = angles.iter().map(pair).collect();
     for wavelength in [0.65, 0.55, 0.45] {
-        let brdf = surface.spectral(&pairs, wavelength, &Task::silent())?;
+        let brdf = surface.spectral(&pairs, wavelength, &task)?;
         let brightest = (0..brdf.len()).max_by(|&a, &b| brdf[a].total_cmp(&brdf[b])).unwrap_or(0);
         println!("{:.0} nm: brightest at {:.2} degrees", wavelength * 1e3, angles[brightest]);
     }
 
     // The colour of the same surface from some angles, in white light, five stops darker than a mirror image would be shown.
-    let pairs = [25.0, 31.0, 37.0].map(|angle| pair(&angle));
-    for (pair, xyz) in pairs.iter().zip(surface.xyz(&pairs, &Task::silent())?) {
-        let [r, g, b] = display(xyz_to_linear_srgb(xyz), -5.0);
-        println!("{:.0} degrees: #{r:02x}{g:02x}{b:02x}", pair.view.z.acos().to_degrees());
+    let angles = [25.0, 31.0, 37.0];
+    for (angle, xyz) in angles.iter().zip(surface.xyz(&angles.map(|angle| pair(&angle)), &task)?) {
+        let [r, g, b] = display_srgb(linear_srgb(xyz), -5.0);
+        println!("{angle:.0} degrees: #{r:02x}{g:02x}{b:02x}");
     }
     Ok(())
 }

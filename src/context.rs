@@ -1,4 +1,4 @@
-//! What a program chooses once for everything that it asks of this library.
+//! Cache, threads, device and receiver of notes, which a program chooses once for everything that it asks of this library.
 
 #[cfg(feature = "vulkan")]
 mod pipelines;

@@ -186,6 +186,7 @@ impl PartialEq for Error {
 /// Result of everything in this crate that can fail.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+#[doc(hidden)]
 impl Error {
     fn new(kind: ErrorKind, what: impl Into<String>, remedies: impl Into<Remedies>) -> Self {
         Self { kind, what: what.into(), remedies: remedies.into().0, source: None }
@@ -264,22 +265,32 @@ impl Error {
         self.remedies.retain(|remedy| !is_larger(remedy));
         self
     }
+}
 
+impl Error {
     /// Returns the kind of the error.
     pub fn kind(&self) -> ErrorKind {
         self.kind
     }
+}
 
+#[doc(hidden)]
+impl Error {
     /// Returns the remedies; any of them helps.
     pub fn remedies(&self) -> &[Remedy] {
         &self.remedies
     }
+}
 
+impl Error {
     /// Returns true if the work was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.kind == ErrorKind::Cancelled
     }
+}
 
+#[doc(hidden)]
+impl Error {
     /// Returns true if the work takes more memory than there is, or is beyond a limit of its method: another method, or a smaller request, may succeed.
     pub fn is_too_large(&self) -> bool {
         matches!(self.kind, ErrorKind::Memory | ErrorKind::Limit)

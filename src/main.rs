@@ -5,5 +5,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    diffract::cli::main()
+    diffract::program::main()
 }

@@ -47,29 +47,41 @@ impl Method {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optics {
     /// Method.
+    #[doc(hidden)]
     pub method: Method,
     /// Coherence of the light on the surface.
+    #[doc(hidden)]
     pub coherence: Coherence,
     /// Positions of the window to average over.
+    #[doc(hidden)]
     pub windows: Windows,
     /// Continuation of the surface beyond the patch, for the mean over all windows.
+    #[doc(hidden)]
     pub beyond: Beyond,
     /// Reflectance of the surface.
+    #[doc(hidden)]
     pub reflectance: Reflectance,
     /// Spectrum of the light.
+    #[doc(hidden)]
     pub illuminant: Illuminant,
     /// Relative error that the user accepts.
+    #[doc(hidden)]
     pub tolerance: f64,
     /// Quantity that the tolerance limits: pictures or single directions.
+    #[doc(hidden)]
     pub purpose: Purpose,
     /// Expansion of the layers.
+    #[doc(hidden)]
     pub basis: Basis,
     /// Terms of the expansion, if the user sets them.
+    #[doc(hidden)]
     pub terms: Option<usize>,
     /// Wavelengths of the colour integral, if the user sets them.
+    #[doc(hidden)]
     pub wavelengths: Option<usize>,
 }
 
+#[doc(hidden)]
 impl Optics {
     /// Returns these settings if they go together.
     ///

@@ -47,7 +47,10 @@ impl Task {
     pub fn reporting(observer: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         Self::silent().observed(observer)
     }
+}
 
+#[doc(hidden)]
+impl Task {
     /// Returns a task that is cancelled with this one, and calls `observer` with the progress of its work.
     #[must_use]
     pub fn observed(&self, observer: impl Fn(Progress) + Send + Sync + 'static) -> Self {
@@ -78,7 +81,9 @@ impl Task {
             of: parts * of,
         })
     }
+}
 
+impl Task {
     /// Cancels the work.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);

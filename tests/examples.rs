@@ -83,6 +83,13 @@ fn cosine_weighted(a: f64, sigma: f64, angle: f64, wavelength: f64) -> f64 {
     4.0 * light.cos().powi(2) * view.cos() * kernel(x_i, x_r) * power / (wavelength * w).powi(2)
 }
 
+/// f \[sr⁻¹\] of the sinusoid within the limit of energy; see [`cosine_weighted`].
+fn limited(a: f64, sigma: f64, angle: f64, wavelength: f64) -> f64 {
+    let free = cosine_weighted(a, sigma, angle, wavelength) / 30f64.to_radians().cos();
+    let [of_light, of_view] = [30.0, -angle].map(|angle| excess(a, angle.to_radians().sin(), wavelength));
+    free / of_light.max(of_view).max(1.0)
+}
+
 #[test]
 fn a_brdf_value_of_a_height_image_is_that_of_a_sinusoidal_grating() {
     let folder = tempfile::tempdir().unwrap();
@@ -94,13 +101,7 @@ fn a_brdf_value_of_a_height_image_is_that_of_a_sinusoidal_grating() {
     ImageBuffer::from_fn(200, 8, |column, _| Luma([code(column)])).save(&file).unwrap();
     let printed = run("brdf_value", &[&file]);
     let value: f64 = printed.split(' ').next().unwrap().parse().unwrap();
-    let deviation = |amplitude: f64| {
-        let free = cosine_weighted(amplitude, 65.0 / 4.0, 13.0, 0.55) / 30f64.to_radians().cos();
-        let [of_light, of_view] =
-            [30f64, -13.0].map(|angle| excess(amplitude, angle.to_radians().sin(), 0.55));
-        let expected = free / of_light.max(of_view).max(1.0);
-        (value / expected - 1.0).abs()
-    };
+    let deviation = |amplitude: f64| (value / limited(amplitude, 65.0 / 4.0, 13.0, 0.55) - 1.0).abs();
     // What is printed, and heights in 65 536 steps.
     assert!(deviation(AMPLITUDE) < 1e-4, "{printed}: {:e}", deviation(AMPLITUDE));
     assert!(deviation(1.01 * AMPLITUDE) > 1e-3, "a hundredth of the height has to be seen");
@@ -135,7 +136,7 @@ fn a_colour_table_has_the_colours_of_a_sinusoidal_grating_within_its_tolerance()
             let colour: Vec<f64> = colour.split(' ').map(|number| number.parse().unwrap()).collect();
             let response: Vec<f64> = wavelengths
                 .iter()
-                .map(|l| cosine_weighted(amplitude, 5.0, angle.parse().unwrap(), l * 1e-3))
+                .map(|l| limited(amplitude, 5.0, angle.parse().unwrap(), l * 1e-3))
                 .collect();
             for (channel, value) in colour.iter().enumerate() {
                 let part = |i: usize| light[i] * observer[i][channel] * response[i] / white;
@@ -175,7 +176,7 @@ fn a_surface_of_one_s_own_sends_each_wavelength_where_the_grating_equation_says(
 fn work_tells_how_far_it_is_and_ends_when_it_is_cancelled() {
     let whole = run("progress", &[]);
     let told = whole.lines().filter(|line| line.starts_with("orders: ")).count();
-    assert!(told > 10 && whole.lines().last().unwrap().starts_with("a series of "), "{whole}");
+    assert!(told > 10 && whole.lines().last().unwrap().starts_with("a table of "), "{whole}");
     let cancelled = run("progress", &[Path::new("0")]);
     assert_eq!(cancelled.lines().last(), Some("cancelled"), "{cancelled}");
     assert!(cancelled.lines().count() < told);

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What each module at the top of `src/` may import: the table of floors in `docs/ARCHITECTURE.md`.
-const FLOORS: [(&str, &[&str]); 30] = [
+const FLOORS: [(&str, &[&str]); 32] = [
     ("error", &[]),
     ("filter", &[]),
     ("units", &["error"]),
@@ -69,9 +69,11 @@ const FLOORS: [(&str, &[&str]); 30] = [
         ],
     ),
     ("picture_file", &["render", "error", "notes", "output"]),
+    ("context", &["cache", "vk", "error", "memory"]),
     (
         "setup",
         &[
+            "context",
             "settings",
             "budget",
             "render",
@@ -99,6 +101,7 @@ const FLOORS: [(&str, &[&str]); 30] = [
     (
         "viewer",
         &[
+            "context",
             "settings",
             "budget",
             "spectra",
@@ -123,8 +126,42 @@ const FLOORS: [(&str, &[&str]); 30] = [
         ],
     ),
     (
+        "front",
+        &[
+            "context",
+            "settings",
+            "budget",
+            "export",
+            "measure",
+            "setup",
+            "picture_file",
+            "figure",
+            "render",
+            "vk",
+            "table",
+            "spectra",
+            "brdf",
+            "scene",
+            "cache",
+            "filter",
+            "optics",
+            "surface",
+            "files",
+            "error",
+            "task",
+            "input",
+            "memory",
+            "notes",
+            "output",
+            "random",
+            "tolerance",
+            "units",
+        ],
+    ),
+    (
         "cli",
         &[
+            "context",
             "settings",
             "budget",
             "export",

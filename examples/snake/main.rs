@@ -42,7 +42,7 @@ fn obj_text() -> String {
 #[allow(clippy::unwrap_used, reason = "a test that cannot go on has failed")]
 mod tests {
     use super::*;
-    use diffract::scene::{Scene, Vertex, snake};
+    use diffract::internals::scene::{Scene, Vertex, snake};
     use glam::Vec3;
 
     #[test]

@@ -1,8 +1,8 @@
 //! Fuzzes one of the program's readers: `READER=mesh cargo +nightly fuzz run read`.
 #![no_main]
 
-use diffract::cli::untrusted::{READERS, UntrustedReader};
-use diffract::error::ErrorKind;
+use diffract::internals::cli::untrusted::{READERS, UntrustedReader};
+use diffract::internals::error::ErrorKind;
 use std::sync::LazyLock;
 
 /// The reader that the environment variable `READER` names.

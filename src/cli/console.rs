@@ -2,7 +2,6 @@
 
 use super::closed_stdout;
 use super::remedies::in_options;
-use super::write::without_controls;
 use crate::context::Context;
 use crate::error::{self, Error, Result};
 use clap::Args;
@@ -12,7 +11,7 @@ use std::fmt::Display;
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Where a run writes its results and what it says.
+/// Streams for the results of a run and for what it says.
 pub struct Streams {
     /// Results.
     pub output: Box<dyn Write + Send>,
@@ -34,7 +33,7 @@ impl Streams {
     }
 }
 
-/// How much a run says beside results and errors.
+/// Options for the amount of text beside results and errors.
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Program")]
 pub struct Verbosity {
@@ -49,13 +48,13 @@ pub struct Verbosity {
 /// One run of the program. Clones are the same run.
 #[derive(Clone)]
 pub struct Console {
-    shared: Arc<Shared>,
+    shared: Arc<RunState>,
     verbosity: Verbosity,
     context: Context,
 }
 
 /// Parts of a run that never change, and its streams.
-struct Shared {
+struct RunState {
     words: Vec<OsString>,
     streams: Mutex<Streams>,
     /// Notes that are told once.
@@ -65,7 +64,7 @@ struct Shared {
 impl Console {
     /// Returns a run of the program on `words`, its name first.
     pub fn new(words: Vec<OsString>, streams: Streams, context: Context) -> Self {
-        let shared = Shared { words, streams: Mutex::new(streams), told: Mutex::default() };
+        let shared = RunState { words, streams: Mutex::new(streams), told: Mutex::default() };
         Self { shared: Arc::new(shared), verbosity: Verbosity::default(), context }
     }
 
@@ -183,5 +182,20 @@ fn written(outcome: io::Result<()>) -> Result<()> {
         )
         .caused_by(e)),
         _ => Ok(()),
+    }
+}
+
+/// Returns `text` with U+FFFD in place of control characters but line breaks and tabs: names of channels and files may hold any.
+fn without_controls(text: &str) -> String {
+    text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), "\u{fffd}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terminal_obeys_no_result() {
+        assert_eq!(without_controls("a\t\u{1b}[31mé\u{9b}K\n"), "a\t\u{fffd}[31mé\u{fffd}K\n");
     }
 }

@@ -20,11 +20,11 @@ pub const LESS_WORK: &str = "a part of the surface (--crop), or a larger --toler
 /// Bar on stderr that shows the steps of some work, one after the other. It is drawn on a terminal only, and removed with its last clone.
 #[derive(Clone)]
 pub struct ProgressBar {
-    shared: Arc<Shared>,
+    shared: Arc<SharedBar>,
 }
 
 /// Parts of a bar that its clones share.
-struct Shared {
+struct SharedBar {
     console: Console,
     bar: indicatif::ProgressBar,
     /// Name of the main step.
@@ -101,7 +101,7 @@ impl ProgressBar {
     ) -> Self {
         let (counted, step) = (AtomicUsize::new(0), Mutex::new(None));
         let console = console.clone();
-        Self { shared: Arc::new(Shared { console, bar, name, shorter, count, counted, step }) }
+        Self { shared: Arc::new(SharedBar { console, bar, name, shorter, count, counted, step }) }
     }
 
     /// Returns a task whose progress the bar shows.
@@ -127,7 +127,7 @@ impl ProgressBar {
 
     /// Shows `progress` under this `message`.
     pub fn show_as(&self, &Progress { stage, done, of, .. }: &Progress, message: impl Into<String>) {
-        let Shared { bar, step, .. } = &*self.shared;
+        let SharedBar { bar, step, .. } = &*self.shared;
         bar.set_message(message.into());
         bar.set_length(of as u64);
         bar.set_position(done as u64);
@@ -146,7 +146,7 @@ impl ProgressBar {
 
     /// Shows that `count` further parts of the main step are done.
     pub fn add(&self, count: usize) {
-        let Shared { name, counted, count: of, .. } = &*self.shared;
+        let SharedBar { name, counted, count: of, .. } = &*self.shared;
         let done = counted.fetch_add(count, Ordering::Relaxed) + count;
         self.show(&Progress { stage: name, done, of: *of });
     }
@@ -157,7 +157,7 @@ impl ProgressBar {
     }
 }
 
-impl Drop for Shared {
+impl Drop for SharedBar {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

@@ -8,11 +8,6 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
-/// Returns `text` with U+FFFD in place of control characters but line breaks and tabs: names of channels and files may hold any.
-pub fn without_controls(text: &str) -> String {
-    text.replace(|c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t'), "\u{fffd}")
-}
-
 /// Writes a text result to the file `path`, whole or not at all, or to stdout.
 pub fn result(path: Option<&Path>, text: &str, console: &Console) -> Result<()> {
     match path {
@@ -86,14 +81,4 @@ pub fn json_text(report: &impl Serialize) -> Result<String> {
 /// Writes `report` as JSON to the file `path`.
 pub fn json(path: &Path, report: &impl Serialize) -> Result<()> {
     file(path, &json_text(report)?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_terminal_obeys_no_result() {
-        assert_eq!(without_controls("a\t\u{1b}[31mé\u{9b}K\n"), "a\t\u{fffd}[31mé\u{fffd}K\n");
-    }
 }

@@ -287,7 +287,7 @@ pub(super) mod tests {
     use crate::surface::HeightField;
     use std::sync::LazyLock;
 
-    pub(in crate::export) fn small_settings() -> ExportSettings {
+    pub(in crate::internals::export) fn small_settings() -> ExportSettings {
         ExportSettings {
             sigma: 2.0,
             beyond: Beyond::Copies,
@@ -300,12 +300,12 @@ pub(super) mod tests {
         }
     }
 
-    pub(in crate::export) fn small_field() -> HeightField {
+    pub(in crate::internals::export) fn small_field() -> HeightField {
         let heights = (0..48 * 40).map(|i| 0.15 * (f64::from(i) * 0.618_034).fract()).collect();
         HeightField::new(48, 40, [0.09, 0.09], heights).unwrap()
     }
 
-    pub(in crate::export) fn small_table() -> (Conformance, Arc<ColorTable>) {
+    pub(in crate::internals::export) fn small_table() -> (Conformance, Arc<ColorTable>) {
         static MADE: LazyLock<(Conformance, Arc<ColorTable>)> = LazyLock::new(|| {
             let made = ExportedMaterial::new(&small_field(), &small_settings(), &Task::silent()).unwrap();
             (made.conformance, made.table)

@@ -76,6 +76,24 @@ impl ExportedMaterial {
     /// # Errors
     /// Too little memory; a cancelled task.
     pub fn new(field: &HeightField, settings: &ExportSettings, task: &Task) -> Result<Self> {
+        let table = Arc::new(Self::table(field, settings, task)?);
+        let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
+        let mean = MeanBrdf {
+            field: field.clone(),
+            sigma: settings.sigma,
+            beyond: settings.beyond,
+            reflectance: settings.reflectance.clone(),
+        };
+        let exact = task.named("exact colours");
+        let conformance = Conformance::new(mean, settings, &table, &exact)?;
+        Ok(Self { table, conformance })
+    }
+
+    /// Bakes the table of `field`, with the limit of energy of its theory.
+    ///
+    /// # Errors
+    /// Same as [`Self::new`].
+    pub fn table(field: &HeightField, settings: &ExportSettings, task: &Task) -> Result<ColorTable> {
         let made = plan(field, settings, task).and_then(|(series, colours)| {
             let table = bake(&series, &colours, task)?;
             Ok((series, table))
@@ -91,18 +109,7 @@ impl ExportedMaterial {
             albedo.make_table(task)?;
             table.header.energy = Some(EnergyMap::new(&albedo, &settings.illuminant).points().to_vec());
         }
-        drop(series);
-        let table = Arc::new(table);
-        let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
-        let mean = MeanBrdf {
-            field: field.clone(),
-            sigma: settings.sigma,
-            beyond: settings.beyond,
-            reflectance: settings.reflectance.clone(),
-        };
-        let exact = task.named("exact colours");
-        let conformance = Conformance::new(mean, settings, &table, &exact)?;
-        Ok(Self { table, conformance })
+        Ok(table)
     }
 }
 

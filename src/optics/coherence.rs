@@ -56,6 +56,7 @@ pub enum Beyond {
     Alike,
 }
 
+#[doc(hidden)]
 impl Beyond {
     /// Returns the name in options and reports.
     pub fn name(self) -> &'static str {

@@ -19,6 +19,7 @@ pub enum Polarisation {
     Tm,
 }
 
+#[doc(hidden)]
 impl Polarisation {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::None, Self::Te, Self::Tm];

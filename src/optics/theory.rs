@@ -16,6 +16,7 @@ pub enum Theory {
     Stam,
 }
 
+#[doc(hidden)]
 impl Theory {
     /// All theories.
     pub const ALL: [Self; 2] = [Self::SmallSlope, Self::Stam];

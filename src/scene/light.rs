@@ -13,8 +13,10 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Emitter.
+    #[doc(hidden)]
     pub emitter: Emitter,
     /// Spectrum; `None`: that of the scene's illuminant.
+    #[doc(hidden)]
     pub spectrum: Option<Illuminant>,
 }
 
@@ -27,6 +29,7 @@ pub enum Emitter {
     Lamp(Lamp),
 }
 
+#[doc(hidden)]
 impl Light {
     /// Parses a light: an emitter, as [`Emitter::parse`] reads it, and optionally `@` and a spectrum, as [`Illuminant::from_name_or_file`]
     /// reads it.

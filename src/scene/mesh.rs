@@ -48,6 +48,7 @@ pub struct Mesh {
     bounds: Bounds,
 }
 
+#[doc(hidden)]
 impl Mesh {
     /// Builds a mesh from loose triangles, counter-clockwise as seen from outside.
     ///

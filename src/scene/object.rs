@@ -21,22 +21,31 @@ pub const MAX_OBJECTS: usize = 64;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// Mesh in world coordinates.
+    #[doc(hidden)]
     pub mesh: Mesh,
     /// Source of the mesh.
+    #[doc(hidden)]
     pub mesh_source: MeshSource,
     /// Position, rotation and size.
+    #[doc(hidden)]
     pub pose: Pose,
     /// Height field; `None`: nothing is diffracted, and the pigment is seen alone.
+    #[doc(hidden)]
     pub surface: Option<SurfaceSource>,
     /// Orientation of the height field's patch on the mesh.
+    #[doc(hidden)]
     pub grooves: Grooves,
     /// Reflectance of the surface, if the scene gives it.
+    #[doc(hidden)]
     pub reflectance: Option<Reflectance>,
     /// Albedo of the pigment, linear sRGB.
+    #[doc(hidden)]
     pub base_color: Vec3,
     /// Pigment texture, multiplied with the base colour.
+    #[doc(hidden)]
     pub pigment: Option<PathBuf>,
     /// True for the ground, which shows shadows and casts none.
+    #[doc(hidden)]
     pub is_ground: bool,
 }
 
@@ -99,6 +108,7 @@ impl Grooves {
     }
 }
 
+#[doc(hidden)]
 impl Object {
     /// Returns the ground of this `color` below everything within `bounds`, whose lowest point has the height `z`.
     ///
@@ -162,7 +172,7 @@ pub(super) fn surface_name(name: &str, folder: &Path) -> PathBuf {
 }
 
 /// Fails unless every one of `channels` is within 0 to 1.
-pub(super) fn check_colors(channels: impl IntoIterator<Item = f64>) -> Result<()> {
+pub fn check_colors(channels: impl IntoIterator<Item = f64>) -> Result<()> {
     if channels.into_iter().all(|c| (0.0..=1.0).contains(&c)) {
         return Ok(());
     }

@@ -43,25 +43,35 @@ const METRES_PER_MICROMETRE: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Objects in a world whose up is +z, the ground last. Options of the program change the first one.
+    #[doc(hidden)]
     pub objects: Vec<Object>,
     /// The camera.
+    #[doc(hidden)]
     pub camera: Camera,
     /// The lights.
+    #[doc(hidden)]
     pub lights: Vec<Light>,
     /// Environment map that lights the scene beside the lights.
+    #[doc(hidden)]
     pub environment: Option<Environment>,
     /// True if objects cast shadows on each other and on themselves.
+    #[doc(hidden)]
     pub shadows: bool,
     /// Display of the radiance.
+    #[doc(hidden)]
     pub display: DisplaySettings,
     /// Length of one unit of the scene's coordinates \[m\].
+    #[doc(hidden)]
     pub unit: f64,
     /// Options of the program that draws the scene, by name, with their values: parameters of the computation. They are not checked yet.
+    #[doc(hidden)]
     pub options: Vec<[String; 2]>,
     /// Files of the scene: the scene file, and those of mesh, surface and pigment.
+    #[doc(hidden)]
     pub files: Vec<PathBuf>,
     /// Bounding sphere of everything but the ground, if there are several objects. It is stored because each frame needs it and meshes may
     /// have many vertices.
+    #[doc(hidden)]
     pub standing_bounds: Bounds,
 }
 
@@ -124,15 +134,8 @@ impl ObjectDocument {
     }
 }
 
+#[doc(hidden)]
 impl Scene {
-    /// Opens a built-in scene by name, a scene file, or an OBJ file shown by the sphere's camera and lights.
-    ///
-    /// # Errors
-    /// A name that is neither, or a file that does not hold a scene; the message tells the place and the remedy.
-    pub fn open(name: impl AsRef<OsStr>) -> Result<Self> {
-        Self::open_telling(name.as_ref(), &Task::silent())
-    }
-
     /// Opens a scene like [`Scene::open`], with reports to `task` while a mesh file is read.
     ///
     /// # Errors
@@ -217,6 +220,7 @@ impl Scene {
     }
 }
 
+#[doc(hidden)]
 impl Scene {
     /// Returns the object that options of the program change: the first.
     ///

@@ -70,6 +70,7 @@ fn micrometres([x, y]: [f64; 2]) -> String {
     format!("{x}umx{y}um")
 }
 
+#[doc(hidden)]
 impl Scene {
     /// Writes the text of a scene file in `folder` that reads as this scene. Names of files in the folder are relative to it, others
     /// absolute.

@@ -22,25 +22,17 @@ use std::sync::Arc;
 
 /// Settings of a picture, in addition to the scene and its surface.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PictureSettings {
     /// Width and height \[pixels\].
+    #[doc(hidden)]
     pub size: [u32; 2],
     /// Samples of each pixel.
+    #[doc(hidden)]
     pub sampling: Sampling,
     /// Settings of the first object's source, with a method that runs on the device.
+    #[doc(hidden)]
     pub source: SourceSettings,
-}
-
-impl PictureSettings {
-    /// Returns settings for a picture of `size` pixels with 16 samples each, as drawn by `diffract render`: in
-    /// sunlight, by a colour table.
-    pub fn new(size: [u32; 2]) -> Self {
-        Self {
-            size,
-            sampling: Sampling { count: 16, seed: 1 },
-            source: SourceSettings::new(Optics::default().for_pictures()),
-        }
-    }
 }
 
 /// Returns the scene's view under `optics`.

@@ -106,7 +106,10 @@ impl HeightField {
     pub fn heights(&self) -> &[f64] {
         &self.heights
     }
+}
 
+#[doc(hidden)]
+impl HeightField {
     /// Returns all heights \[µm\], without a copy of them if there is no other clone of the field.
     pub fn into_heights(self) -> Vec<f64> {
         Arc::unwrap_or_clone(self.heights)
@@ -137,12 +140,17 @@ impl HeightField {
     pub fn y(&self, row: usize) -> f64 {
         ((self.rows - 1) as f64 / 2.0 - row as f64) * self.pixel_size[1]
     }
+}
 
+impl HeightField {
     /// Returns the lowest and highest height \[µm\].
     pub fn range(&self) -> (f64, f64) {
         self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
     }
+}
 
+#[doc(hidden)]
+impl HeightField {
     /// Returns the same periodic surface with its origin moved by whole samples, `columns` along +x and `rows` along +y: the sample at that
     /// offset moves to the centre.
     #[must_use]

@@ -6,6 +6,7 @@ use crate::error::Result;
 /// Largest difference between copies over the height range: rounding of formulas, far below the digits of any file.
 const ROUNDING: f64 = 1e-9;
 
+#[doc(hidden)]
 impl HeightField {
     /// Returns the smallest block of whole samples whose copies, side by side along both axes, give this field: one period of a grating
     /// of whole periods, one sample along the axis that its heights do not depend on, and the field itself if nothing repeats.

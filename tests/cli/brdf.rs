@@ -226,7 +226,7 @@ fn csv_and_npy_hold_the_numbers_of_the_exr() {
         assert_eq!(rows.len(), inside.len());
         for (row, &index) in rows.iter().zip(&inside) {
             assert_eq!(row[..2], place(index));
-            let toward = diffract::optics::geometry::direction(row[2], row[3]);
+            let toward = diffract::internals::optics::geometry::direction(row[2], row[3]);
             assert!((toward.x - row[0]).hypot(toward.y - row[1]) < 1e-12);
             let values: Vec<f32> = row[4..].iter().map(|x| *x as f32).collect();
             assert_eq!(values, exr[index][..channels]);
@@ -287,7 +287,7 @@ fn a_png_is_the_exr_as_displayed_at_the_exposure() {
     let shown = image::open(sandbox.path("m.png")).unwrap().to_rgb8();
     for (pixel, linear) in shown.pixels().zip(&linear) {
         let [r, g, b, _] = linear.map(f64::from);
-        assert_eq!(pixel.0, diffract::optics::color::display(glam::DVec3::new(r, g, b), -3.0));
+        assert_eq!(pixel.0, diffract::internals::optics::color::display(glam::DVec3::new(r, g, b), -3.0));
     }
     assert!(shown.pixels().any(|p| p.0 != [0; 3] && p.0 != [255; 3]));
 }

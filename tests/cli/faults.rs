@@ -2,7 +2,7 @@
 //! is as good as the first.
 
 use crate::sandbox::{Outcome, SMALL, Sandbox, outcome};
-use diffract::random::Random;
+use diffract::internals::random::Random;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,18 +1,18 @@
 //! Maps of the hemisphere through one window and through repeats: they agree with the reference, and hold the energy that closed forms say.
 
 use crate::sandbox::Sandbox;
-use diffract::optics::coherence::Coherence;
-use diffract::optics::color::xyz_to_linear_srgb;
-use diffract::optics::geometry::{Pair, direction};
-use diffract::optics::nufft;
-use diffract::optics::quadrature::gauss_legendre;
-use diffract::optics::reference::Reference;
-use diffract::optics::reflectance::Reflectance;
-use diffract::optics::spectrum::{Illuminant, observer};
-use diffract::optics::theory::Theory;
-use diffract::surface::HeightField;
-use diffract::surface::synth::{Spec, SurfaceKind, generate};
-use diffract::task::Task;
+use diffract::internals::optics::coherence::Coherence;
+use diffract::internals::optics::color::xyz_to_linear_srgb;
+use diffract::internals::optics::geometry::{Pair, direction};
+use diffract::internals::optics::nufft;
+use diffract::internals::optics::quadrature::gauss_legendre;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::optics::reflectance::Reflectance;
+use diffract::internals::optics::spectrum::{Illuminant, observer};
+use diffract::internals::optics::theory::Theory;
+use diffract::internals::surface::HeightField;
+use diffract::internals::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::internals::task::Task;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -84,7 +84,7 @@ struct Subject {
 impl Subject {
     fn new(kind: SurfaceKind, side: f64) -> Self {
         let sandbox = Sandbox::new();
-        let field = generate(&Spec { patch: Some([side, side]), seed: 1, ..Spec::new(kind) }).unwrap();
+        let field = generate(&Spec::new(kind).with_patch([side, side]).with_seed(1)).unwrap();
         let patch = format!("{side}um");
         sandbox.run(["surface", "synth", kind.name(), "--patch", &patch, "-o", "s.png"]).done();
         let [dx, dy] = field.pixel_size().map(|x| x * 1e3);

@@ -1,7 +1,7 @@
 //! Orders of periodic surfaces, against closed forms.
 
 use crate::sandbox::Sandbox;
-use diffract::optics::geometry::direction;
+use diffract::internals::optics::geometry::direction;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};

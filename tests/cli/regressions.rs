@@ -1,7 +1,7 @@
 //! What fuzzing once found, and what it started from, read again: success or an error, and never a panic.
 
-use diffract::cli::untrusted::READERS;
-use diffract::random::Random;
+use diffract::internals::cli::untrusted::READERS;
+use diffract::internals::random::Random;
 use std::fs;
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! A folder, a cache and ways to run the program in them: inside the process of the tests, or as a process of its own.
 
-use diffract::cache::DEFAULT_LIMIT;
-use diffract::cli::{self, Streams};
-use diffract::context::Context;
+use diffract::internals::cache::DEFAULT_LIMIT;
+use diffract::internals::cli::{self, Streams};
+use diffract::internals::context::Context;
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::fs;

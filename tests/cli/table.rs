@@ -59,7 +59,7 @@ fn a_table_of_a_laser_agrees_with_the_reference() {
     let found = ask(&sandbox, &[&laser[..], &["--method", "table", "--tolerance", "1e-2"]].concat());
     assert!(error(&found, &exact) <= 1e-2, "{}", error(&found, &exact));
     let [x, y] = [0, 1].map(|i| exact.iter().skip(i).step_by(3).sum::<f64>());
-    let pure = diffract::optics::spectrum::observer(632.8);
+    let pure = diffract::internals::optics::spectrum::observer(632.8);
     assert!((x / y / (pure.x / pure.y) - 1.0).abs() < 5e-3, "{}", x / y);
 }
 
@@ -103,7 +103,7 @@ fn a_profile_counts_three_samples_for_each_tap() {
     assert!(json.contains("\"method\": \"table\""), "{json}");
     let (_, rest) = json.split_once("\"samples_per_covered_pixel\": ").unwrap();
     let samples: f64 = rest.split([',', '\n']).next().unwrap().trim().parse().unwrap();
-    assert!(samples >= 3.0 && samples <= 3.0 * diffract::filter::MOST_OF_ROW as f64, "{samples}");
+    assert!(samples >= 3.0 && samples <= 3.0 * diffract::internals::filter::MOST_OF_ROW as f64, "{samples}");
 }
 
 #[test]

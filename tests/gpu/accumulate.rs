@@ -2,16 +2,16 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
-use diffract::optics::color::Tone;
-use diffract::render::footprints::{Distribution, median_pixel_area};
-use diffract::render::frame::{Shown, View};
-use diffract::render::reference_picture::displayed;
-use diffract::render::renderer::{Picture, PictureRequest, Renderer};
-use diffract::render::sampling::{PixelWeights, Sample, Sampling};
-use diffract::scene::{Camera, Light, Scene};
-use diffract::surface::synth::SurfaceKind;
-use diffract::task::Task;
-use diffract::vk::device::Device;
+use diffract::internals::optics::color::Tone;
+use diffract::internals::render::footprints::{Distribution, median_pixel_area};
+use diffract::internals::render::frame::{Shown, View};
+use diffract::internals::render::reference_picture::displayed;
+use diffract::internals::render::renderer::{Picture, PictureRequest, Renderer};
+use diffract::internals::render::sampling::{PixelWeights, Sample, Sampling};
+use diffract::internals::scene::{Camera, Light, Scene};
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::task::Task;
+use diffract::internals::vk::device::Device;
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use std::sync::Arc;
 

@@ -2,18 +2,18 @@
 
 use crate::device::with_device;
 use crate::evaluation::{FLOOR, colours, optics, patch, window};
-use diffract::optics::geometry::Pair;
-use diffract::optics::nufft::cosine_weighted_xyz;
-use diffract::optics::reference::Reference;
-use diffract::random::Random;
-use diffract::render::evaluator::{Evaluator, Query};
-use diffract::settings::Optics;
-use diffract::spectra::amplitude::expansion::Basis;
-use diffract::spectra::amplitude::{Layers, compute};
-use diffract::surface::HeightField;
-use diffract::surface::synth::SurfaceKind;
-use diffract::task::Task;
-use diffract::vk::device::Device;
+use diffract::internals::optics::geometry::Pair;
+use diffract::internals::optics::nufft::cosine_weighted_xyz;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::random::Random;
+use diffract::internals::render::evaluator::{Evaluator, Query};
+use diffract::internals::settings::Optics;
+use diffract::internals::spectra::amplitude::expansion::Basis;
+use diffract::internals::spectra::amplitude::{Layers, compute};
+use diffract::internals::surface::HeightField;
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::task::Task;
+use diffract::internals::vk::device::Device;
 use glam::{DVec2, DVec3};
 
 /// The colours of `queries` by transforms in f64, XYZ of f cos θ_i; every thirtieth of them agrees with the direct sum.
@@ -46,7 +46,8 @@ fn errors(found: &[DVec3], exact: &[DVec3]) -> [f64; 3] {
 /// Layers of `field` for pictures.
 fn layers(device: &Device, field: &HeightField, optics: &Optics) -> Layers {
     let sigma = optics.coherence.sigma().unwrap();
-    let settings = diffract::setup::layer_settings(optics, sigma, 0.38, device.candidate()).unwrap();
+    let settings =
+        diffract::internals::setup::layer_settings(optics, sigma, 0.38, device.candidate()).unwrap();
     compute(field, &settings, &Task::silent()).unwrap()
 }
 

@@ -1,8 +1,8 @@
 //! A device with validation for one test.
 
-use diffract::vk::device::Device;
-use diffract::vk::instance::Instance;
-use diffract::vk::selection::DeviceChoice;
+use diffract::internals::vk::device::Device;
+use diffract::internals::vk::instance::Instance;
+use diffract::internals::vk::selection::DeviceChoice;
 use std::sync::Arc;
 
 /// Runs `test` on a device of its own and fails on any validation message, also on those of its clean-up.
@@ -21,8 +21,8 @@ pub fn with_device(test: impl FnOnce(&Arc<Device>)) {
 #[test]
 fn validation_speaks_up_when_a_rule_is_broken() {
     use ash::vk;
-    use diffract::vk::buffer::Buffer;
-    use diffract::vk::commands::Commands;
+    use diffract::internals::vk::buffer::Buffer;
+    use diffract::internals::vk::commands::Commands;
     use gpu_allocator::MemoryLocation;
     let instance = Arc::new(Instance::new(true).unwrap());
     let device = Device::open(instance.clone(), &DeviceChoice::Any).unwrap();
@@ -44,8 +44,8 @@ fn validation_speaks_up_when_a_rule_is_broken() {
 
 #[test]
 fn pipelines_of_a_device_serve_another() {
-    use diffract::vk::descriptors::{Binding, Descriptors};
-    use diffract::vk::pipeline::{Code, Pipeline};
+    use diffract::internals::vk::descriptors::{Binding, Descriptors};
+    use diffract::internals::vk::pipeline::{Code, Pipeline};
     let make = |device: &Arc<Device>| {
         let code = include_bytes!(concat!(env!("OUT_DIR"), "/interface_probe.comp.spv")).as_slice();
         let block = |number, kind| Binding { number, kind, stages: ash::vk::ShaderStageFlags::COMPUTE };

@@ -2,11 +2,11 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
-use diffract::optics::color::{Tone, display, display_over};
-use diffract::render::frame::{Shown, View};
-use diffract::render::sampling::Sampling;
-use diffract::scene::Scene;
-use diffract::surface::synth::SurfaceKind;
+use diffract::internals::optics::color::{Tone, display, display_over};
+use diffract::internals::render::frame::{Shown, View};
+use diffract::internals::render::sampling::Sampling;
+use diffract::internals::scene::Scene;
+use diffract::internals::surface::synth::SurfaceKind;
 use glam::DVec3;
 
 const SIZE: [u32; 2] = [160, 120];

@@ -3,21 +3,21 @@
 use crate::device::with_device;
 use crate::measure::per_direction;
 use crate::shared;
-use diffract::optics::coherence::{Coherence, Windows};
-use diffract::optics::geometry::{Pair, direction};
-use diffract::optics::orders::Repeats;
-use diffract::optics::reference::Reference;
-use diffract::random::Random;
-use diffract::render::evaluator::{Evaluator, Query};
-use diffract::render::source::{Grating, Source};
-use diffract::settings::Optics;
-use diffract::setup::SourceSettings;
-use diffract::spectra::amplitude::expansion::Basis;
-use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
-use diffract::surface::HeightField;
-use diffract::surface::synth::{Spec, SurfaceKind, generate};
-use diffract::task::Task;
-use diffract::vk::device::Device;
+use diffract::internals::optics::coherence::{Coherence, Windows};
+use diffract::internals::optics::geometry::{Pair, direction};
+use diffract::internals::optics::orders::Repeats;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::random::Random;
+use diffract::internals::render::evaluator::{Evaluator, Query};
+use diffract::internals::render::source::{Grating, Source};
+use diffract::internals::settings::Optics;
+use diffract::internals::setup::SourceSettings;
+use diffract::internals::spectra::amplitude::expansion::Basis;
+use diffract::internals::spectra::amplitude::{LayerSettings, Layers, compute};
+use diffract::internals::surface::HeightField;
+use diffract::internals::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::internals::task::Task;
+use diffract::internals::vk::device::Device;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ use std::sync::Arc;
 const DIRECTIONS: usize = 2000;
 
 /// What a display shows as black under a light of intensity 1 at exposure 0: DISPLAY_BLACK/π in f cos θ_i.
-pub const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / std::f64::consts::PI;
+pub const FLOOR: f64 = diffract::internals::optics::color::DISPLAY_BLACK / std::f64::consts::PI;
 
 /// Directions over both hemispheres and wavelengths over the visible, a third of them near the mirror direction, some
 /// below the horizon.
@@ -54,7 +54,7 @@ pub fn colours(seed: u64, count: usize) -> Vec<Query> {
 
 /// A small patch of a kind, under a window that sees several copies of it.
 pub fn patch(kind: SurfaceKind, side: f64) -> HeightField {
-    generate(&Spec { patch: Some([side, side]), ..Spec::new(kind) }).unwrap()
+    generate(&Spec::new(kind).with_patch([side, side])).unwrap()
 }
 
 /// Through one window.

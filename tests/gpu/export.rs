@@ -2,22 +2,22 @@
 
 use crate::device::with_device;
 use ash::vk;
-use diffract::export::{
+use diffract::internals::export::{
     Conformance, ExportReader, ExportSettings, ExportedMaterial, MaterialDescription, PortErrors, write,
 };
-use diffract::optics::spectrum::Illuminant;
-use diffract::render::upload;
-use diffract::spectra::power::Beyond;
-use diffract::surface::HeightField;
-use diffract::task::Task;
-use diffract::vk::access::Access;
-use diffract::vk::buffer::Buffer;
-use diffract::vk::commands::Commands;
-use diffract::vk::descriptors::{Binding, Descriptors};
-use diffract::vk::device::Device;
-use diffract::vk::image::{Description, Image};
-use diffract::vk::pipeline::{Code, Pipeline};
-use diffract::vk::sampler::Sampler;
+use diffract::internals::optics::spectrum::Illuminant;
+use diffract::internals::render::upload;
+use diffract::internals::spectra::power::Beyond;
+use diffract::internals::surface::HeightField;
+use diffract::internals::task::Task;
+use diffract::internals::vk::access::Access;
+use diffract::internals::vk::buffer::Buffer;
+use diffract::internals::vk::commands::Commands;
+use diffract::internals::vk::descriptors::{Binding, Descriptors};
+use diffract::internals::vk::device::Device;
+use diffract::internals::vk::image::{Description, Image};
+use diffract::internals::vk::pipeline::{Code, Pipeline};
+use diffract::internals::vk::sampler::Sampler;
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
 use std::path::Path;
@@ -174,7 +174,7 @@ fn answers(
     (language, frame): (Language, [[f32; 3]; 3]),
 ) -> Vec<DVec3> {
     let spirv = &compiled(reader, language, frame);
-    let question = |row: &diffract::export::ConformanceRow| {
+    let question = |row: &diffract::internals::export::ConformanceRow| {
         let (light, view, [dx, dy]) = (row.pair.light, row.pair.view, row.footprint);
         [light.extend(0.0), view.extend(0.0), dx.extend(dy.x).extend(dy.y)]
             .map(|four| four.as_vec4().to_array())

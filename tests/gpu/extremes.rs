@@ -4,26 +4,26 @@
 use crate::device::with_device;
 use crate::evaluation::{grating, limited, optics, patch, window};
 use crate::measure::channel;
-use diffract::error::Result;
-use diffract::optics::brdf::cosine_weighted;
-use diffract::optics::coherence::{Coherence, Windows};
-use diffract::optics::color::Tone;
-use diffract::optics::geometry::{Pair, direction};
-use diffract::optics::reference::Reference;
-use diffract::random::Random;
-use diffract::render::evaluator::{Evaluator, Query};
-use diffract::render::frame::{Shown, View};
-use diffract::render::reference_picture::{displayed, reference_picture};
-use diffract::scene::{Light, Scene};
-use diffract::settings::Optics;
-use diffract::spectra::amplitude::audit::FAINT;
-use diffract::spectra::amplitude::expansion::Basis;
-use diffract::spectra::amplitude::texels::{HALF_UNIT, Texels};
-use diffract::spectra::amplitude::{LayerSettings, Layers, compute};
-use diffract::surface::HeightField;
-use diffract::surface::synth::SurfaceKind;
-use diffract::task::Task;
-use diffract::vk::device::Device;
+use diffract::internals::error::Result;
+use diffract::internals::optics::brdf::cosine_weighted;
+use diffract::internals::optics::coherence::{Coherence, Windows};
+use diffract::internals::optics::color::Tone;
+use diffract::internals::optics::geometry::{Pair, direction};
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::random::Random;
+use diffract::internals::render::evaluator::{Evaluator, Query};
+use diffract::internals::render::frame::{Shown, View};
+use diffract::internals::render::reference_picture::{displayed, reference_picture};
+use diffract::internals::scene::{Light, Scene};
+use diffract::internals::settings::Optics;
+use diffract::internals::spectra::amplitude::audit::FAINT;
+use diffract::internals::spectra::amplitude::expansion::Basis;
+use diffract::internals::spectra::amplitude::texels::{HALF_UNIT, Texels};
+use diffract::internals::spectra::amplitude::{LayerSettings, Layers, compute};
+use diffract::internals::surface::HeightField;
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::task::Task;
+use diffract::internals::vk::device::Device;
 use glam::DVec3;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
@@ -32,7 +32,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// What a display shows as black under a light of intensity 1 at exposure 0, in f cos θ_i.
-const FLOOR: f64 = diffract::optics::color::DISPLAY_BLACK / PI;
+const FLOOR: f64 = diffract::internals::optics::color::DISPLAY_BLACK / PI;
 
 /// A cosine below which the device takes a direction as below the horizon (`HORIZON` of diffraction.glsl), with room for
 /// the rounding of its 32-bit directions.
@@ -462,8 +462,8 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
     let layers = layers_of(&field, &optics).unwrap();
     with_device(|device| {
         for (name, text) in meshes() {
-            let mesh =
-                diffract::scene::obj::from_bytes(text.as_bytes()).unwrap_or_else(|e| panic!("{name}: {e}"));
+            let mesh = diffract::internals::scene::obj::from_bytes(text.as_bytes())
+                .unwrap_or_else(|e| panic!("{name}: {e}"));
             let mesh = mesh.turned(|[x, y, z]| [x, -z, y]);
             let mut scene = Scene::open("plate").unwrap();
             scene.main_object_mut().mesh = mesh;
@@ -473,7 +473,8 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
             let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
             let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &optics, size).unwrap();
             for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
-                view.camera = diffract::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
+                view.camera =
+                    diffract::internals::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
                 for exposure in [-40.0, 0.0, 40.0] {
                     let picture = renderer.render_plain(&view, exposure, DVec3::splat(0.01)).unwrap();
                     for (i, pixel) in picture.radiance.iter().enumerate() {

@@ -3,14 +3,14 @@
 use crate::device::with_device;
 use ash::vk;
 use bytemuck::Zeroable;
-use diffract::render::frame_set::{FrameBlock, SampleBlock};
-use diffract::render::source::spectra::SpectraBlock;
-use diffract::render::tables::UV_BINS;
-use diffract::vk::access::Access;
-use diffract::vk::buffer::Buffer;
-use diffract::vk::commands::Commands;
-use diffract::vk::descriptors::{Binding, Descriptors};
-use diffract::vk::pipeline::{Code, Pipeline};
+use diffract::internals::render::frame_set::{FrameBlock, SampleBlock};
+use diffract::internals::render::source::spectra::SpectraBlock;
+use diffract::internals::render::tables::UV_BINS;
+use diffract::internals::vk::access::Access;
+use diffract::internals::vk::buffer::Buffer;
+use diffract::internals::vk::commands::Commands;
+use diffract::internals::vk::descriptors::{Binding, Descriptors};
+use diffract::internals::vk::pipeline::{Code, Pipeline};
 use gpu_allocator::MemoryLocation;
 
 #[test]

@@ -6,20 +6,20 @@ use crate::lights::{across_the_edge, floor_below_a_roof};
 use crate::mean::{optics, source};
 use crate::measure::colours;
 use crate::shared;
-use diffract::optics::color::Tone;
-use diffract::render::footprints::sizes_of;
-use diffract::render::frame::{Shown, View};
-use diffract::render::light_passes::LightPass;
-use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::displayed_of;
-use diffract::render::renderer::{PictureRequest, RendererSettings};
-use diffract::render::sampling::Sampling;
-use diffract::render::source::{ClassicalGrating, Source};
-use diffract::scene::environment::Placement;
-use diffract::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
-use diffract::settings::{Method, Optics};
-use diffract::surface::synth::SurfaceKind;
-use diffract::task::Task;
+use diffract::internals::optics::color::Tone;
+use diffract::internals::render::footprints::sizes_of;
+use diffract::internals::render::frame::{Shown, View};
+use diffract::internals::render::light_passes::LightPass;
+use diffract::internals::render::pigment::Pigment;
+use diffract::internals::render::reference_picture::displayed_of;
+use diffract::internals::render::renderer::{PictureRequest, RendererSettings};
+use diffract::internals::render::sampling::Sampling;
+use diffract::internals::render::source::{ClassicalGrating, Source};
+use diffract::internals::scene::environment::Placement;
+use diffract::internals::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
+use diffract::internals::settings::{Method, Optics};
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::task::Task;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -27,7 +27,7 @@ const SIZE: [u32; 2] = [40, 30];
 const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3::ZERO };
 
 /// A white floor at z = 0 without a roof above what is seen, under `lights`.
-fn floor(lights: Vec<Light>) -> (diffract::scene::Mesh, View) {
+fn floor(lights: Vec<Light>) -> (diffract::internals::scene::Mesh, View) {
     let mesh = floor_below_a_roof(0.5);
     let mut view = View::of(&Scene::open("plate").unwrap(), lights);
     view.camera = Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(1.0, 0.2, 0.0), 0.4).unwrap();
@@ -63,7 +63,7 @@ fn pixels_see_a_lamp_where_it_stands_and_as_bright_as_its_distance_makes_it() {
             let mut renderer =
                 crate::renderer_with(device, &source, &optics, object, SIZE, settings).unwrap();
             let sample = Sampling { count: 16, seed: 3 }.sample(5);
-            let still = diffract::render::sampling::Sample { jitter: [0.0; 2], ..sample };
+            let still = diffract::internals::render::sampling::Sample { jitter: [0.0; 2], ..sample };
             for number in 0..lights {
                 let incident = view.incidents(&LightPass::of_all(number, still))[0];
                 let seen = renderer.directions_of(&view, number, &still).unwrap();
@@ -144,7 +144,7 @@ fn a_white_floor_is_white_under_discs_and_under_any_number_of_samples_of_white_s
 
 /// Irradiance over π at `at` of a floor that faces up: of a sphere L r² cos θ/D², of a rectangle as a sum over its area.
 fn brightness(lamp: &Lamp, at: DVec3) -> f64 {
-    use diffract::scene::lamp::{LampShape, Strength};
+    use diffract::internals::scene::lamp::{LampShape, Strength};
     let Strength::Radiance(radiance) = lamp.strength else { panic!() };
     match lamp.shape {
         LampShape::Sphere { diameter } => {
@@ -212,7 +212,7 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
 
 #[test]
 fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
-    use diffract::optics::color::display_over;
+    use diffract::internals::optics::color::display_over;
     let scene = Scene::open("sphere").unwrap();
     let mut view = View::of(&scene, scene.lights[..1].to_vec());
     // Waves in all directions: a background that is moved by half a pixel is another.

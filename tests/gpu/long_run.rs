@@ -2,14 +2,14 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
-use diffract::figure::{Axis, Figure, FigureStyle, Mark, Panel, palette};
-use diffract::notes::Notes;
-use diffract::render::frame::View;
-use diffract::scene::{Light, Scene};
-use diffract::surface::synth::SurfaceKind;
-use diffract::vk::device::Device;
-use diffract::vk::instance::Instance;
-use diffract::vk::selection::DeviceChoice;
+use diffract::internals::figure::{Axis, Figure, FigureStyle, Mark, Panel, palette};
+use diffract::internals::notes::Notes;
+use diffract::internals::render::frame::View;
+use diffract::internals::scene::{Light, Scene};
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::vk::device::Device;
+use diffract::internals::vk::instance::Instance;
+use diffract::internals::vk::selection::DeviceChoice;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;

@@ -36,14 +36,14 @@ mod thesis;
 #[cfg(feature = "viewer")]
 mod viewer;
 
-use diffract::error::Result;
-use diffract::render::object::{ObjectData, ObjectSources};
-use diffract::render::pigment::Pigment;
-use diffract::render::renderer::{Renderer, RendererSettings};
-use diffract::render::source::Source;
-use diffract::scene::{Mesh, Scene};
-use diffract::settings::Optics;
-use diffract::vk::device::Device;
+use diffract::internals::error::Result;
+use diffract::internals::render::object::{ObjectData, ObjectSources};
+use diffract::internals::render::pigment::Pigment;
+use diffract::internals::render::renderer::{Renderer, RendererSettings};
+use diffract::internals::render::source::Source;
+use diffract::internals::scene::{Mesh, Scene};
+use diffract::internals::settings::Optics;
+use diffract::internals::vk::device::Device;
 use std::sync::Arc;
 
 /// Returns a renderer of one object with its patch along the mesh.

@@ -3,22 +3,22 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, patch, window};
 use crate::mean::source;
-use diffract::filter::FootprintSizes;
-use diffract::optics::coherence::{Coherence, Windows};
-use diffract::render::directions::Directions;
-use diffract::render::frame::{Shown, View};
-use diffract::render::grooves::GrooveDirections;
-use diffract::render::object::{ObjectData, ObjectSources, ObjectTextures, objects};
-use diffract::render::pigment::Pigment;
-use diffract::render::renderer::{Renderer, RendererSettings};
-use diffract::render::sampling::Sampling;
-use diffract::render::source::{ClassicalGrating, Source};
-use diffract::scene::{Grooves, Light, Scene};
-use diffract::settings::{Method, Optics};
-use diffract::setup::pigment_alone;
-use diffract::surface::synth::SurfaceKind;
-use diffract::task::Task;
-use diffract::vk::device::Device;
+use diffract::internals::filter::FootprintSizes;
+use diffract::internals::optics::coherence::{Coherence, Windows};
+use diffract::internals::render::directions::Directions;
+use diffract::internals::render::frame::{Shown, View};
+use diffract::internals::render::grooves::GrooveDirections;
+use diffract::internals::render::object::{ObjectData, ObjectSources, ObjectTextures, objects};
+use diffract::internals::render::pigment::Pigment;
+use diffract::internals::render::renderer::{Renderer, RendererSettings};
+use diffract::internals::render::sampling::Sampling;
+use diffract::internals::render::source::{ClassicalGrating, Source};
+use diffract::internals::scene::{Grooves, Light, Scene};
+use diffract::internals::settings::{Method, Optics};
+use diffract::internals::setup::pigment_alone;
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::task::Task;
+use diffract::internals::vk::device::Device;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -195,7 +195,7 @@ fn grooves_turn_the_directions_about_the_normal_by_an_angle_by_a_map_or_around_t
     let world = view.clip_from_world(SIZE).as_dmat4().inverse();
     let eye = view.camera.eye().as_dvec3();
     let place = |pixel: usize| {
-        let clip = diffract::scene::camera::pixel_in_clip(pixel, SIZE);
+        let clip = diffract::internals::scene::camera::pixel_in_clip(pixel, SIZE);
         let toward = world.project_point3(clip.extend(0.5)) - eye;
         let at = eye - toward * (eye.z / toward.z);
         [at.x + 0.5, at.y + 0.5]

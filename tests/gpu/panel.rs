@@ -2,13 +2,13 @@
 
 use crate::device::with_device;
 use ash::vk;
-use diffract::render::target::read_back;
-use diffract::viewer::atlas::FrameResources;
-use diffract::viewer::gui::{Gui, PaintJobs};
-use diffract::vk::access::Access;
-use diffract::vk::commands::Commands;
-use diffract::vk::device::Device;
-use diffract::vk::image::{Description, Image};
+use diffract::internals::render::target::read_back;
+use diffract::internals::viewer::atlas::FrameResources;
+use diffract::internals::viewer::gui::{Gui, PaintJobs};
+use diffract::internals::vk::access::Access;
+use diffract::internals::vk::commands::Commands;
+use diffract::internals::vk::device::Device;
+use diffract::internals::vk::image::{Description, Image};
 use egui::epaint::ImageDelta;
 use egui::{Color32, ColorImage, Context, FontId, RawInput, Rect, TextureId, TextureOptions, Ui};
 use egui::{pos2, vec2};
@@ -57,7 +57,7 @@ impl Film {
         let gui = &mut self.gui;
         commands.wait().unwrap();
         kept.clear();
-        let record = |record: &diffract::vk::commands::Recorder<'_>| {
+        let record = |record: &diffract::internals::vk::commands::Recorder<'_>| {
             gui.upload(record, &mut painting.textures, kept)?;
             record.images(&[(&image, Access::Nothing, Access::ColorAttachment)]);
             record.render(&[(&image, Some([0.0, 0.0, 0.0, 1.0]))], None, |draw| {

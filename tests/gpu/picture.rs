@@ -3,17 +3,17 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, limited, optics, patch, window};
 use crate::measure::channel;
-use diffract::render::directions::Directions;
-use diffract::render::frame::View;
-use diffract::render::pigment::Pigment;
-use diffract::render::reference_picture::reference_picture;
-use diffract::render::renderer::Picture;
-use diffract::scene::{Light, Scene};
-use diffract::settings::Optics;
-use diffract::surface::HeightField;
-use diffract::surface::synth::SurfaceKind;
-use diffract::task::Task;
-use diffract::vk::device::Device;
+use diffract::internals::render::directions::Directions;
+use diffract::internals::render::frame::View;
+use diffract::internals::render::pigment::Pigment;
+use diffract::internals::render::reference_picture::reference_picture;
+use diffract::internals::render::renderer::Picture;
+use diffract::internals::scene::{Light, Scene};
+use diffract::internals::settings::Optics;
+use diffract::internals::surface::HeightField;
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::task::Task;
+use diffract::internals::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 

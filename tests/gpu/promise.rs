@@ -6,14 +6,14 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, queries, window};
 use crate::measure::per_direction;
-use diffract::optics::coherence::{Coherence, Windows};
-use diffract::optics::color::DISPLAY_BLACK;
-use diffract::optics::reference::Reference;
-use diffract::random::Random;
-use diffract::render::evaluator::Evaluator;
-use diffract::settings::Optics;
-use diffract::spectra::amplitude::expansion::Basis;
-use diffract::surface::HeightField;
+use diffract::internals::optics::coherence::{Coherence, Windows};
+use diffract::internals::optics::color::DISPLAY_BLACK;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::random::Random;
+use diffract::internals::render::evaluator::Evaluator;
+use diffract::internals::settings::Optics;
+use diffract::internals::spectra::amplitude::expansion::Basis;
+use diffract::internals::surface::HeightField;
 
 /// Surfaces times settings.
 const COMBINATIONS: usize = 210;

@@ -1,15 +1,15 @@
 //! Results in f64 that several tests need, each made by the first of them: references, and the limits of energy of surfaces.
 
-use diffract::brdf::energy_map::EnergyMap;
-use diffract::render::directions::Directions;
-use diffract::render::frame::View;
-use diffract::render::reference_picture::{PixelReference, covered};
-use diffract::render::source::Source;
-use diffract::settings::Optics;
-use diffract::setup::{self, InUse, SourceSettings, colour_limit};
-use diffract::surface::HeightField;
-use diffract::task::Task;
-use diffract::vk::device::Device;
+use diffract::internals::brdf::energy_map::EnergyMap;
+use diffract::internals::render::directions::Directions;
+use diffract::internals::render::frame::View;
+use diffract::internals::render::reference_picture::{PixelReference, covered};
+use diffract::internals::render::source::Source;
+use diffract::internals::settings::Optics;
+use diffract::internals::setup::{self, InUse, SourceSettings, colour_limit};
+use diffract::internals::surface::HeightField;
+use diffract::internals::task::Task;
+use diffract::internals::vk::device::Device;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};

@@ -2,20 +2,20 @@
 
 use crate::device::with_device;
 use crate::evaluation::{grating, layers, optics, patch, window};
-use diffract::filter::FootprintSizes;
-use diffract::optics::coherence::Windows;
-use diffract::optics::spectrum::Illuminant;
-use diffract::render::frame::{Shown, View};
-use diffract::render::reference_picture::reference_pixels;
-use diffract::render::renderer::{PictureRequest, Renderer};
-use diffract::render::source::Source;
-use diffract::scene::{Environment, Light, Scene};
-use diffract::settings::{Method, Optics};
-use diffract::spectra::amplitude::Layers;
-use diffract::surface::synth::SurfaceKind;
-use diffract::task::Task;
-use diffract::viewer::error_probe::{ProbeSamples, samples};
-use diffract::vk::device::Device;
+use diffract::internals::filter::FootprintSizes;
+use diffract::internals::optics::coherence::Windows;
+use diffract::internals::optics::spectrum::Illuminant;
+use diffract::internals::render::frame::{Shown, View};
+use diffract::internals::render::reference_picture::reference_pixels;
+use diffract::internals::render::renderer::{PictureRequest, Renderer};
+use diffract::internals::render::source::Source;
+use diffract::internals::scene::{Environment, Light, Scene};
+use diffract::internals::settings::{Method, Optics};
+use diffract::internals::spectra::amplitude::Layers;
+use diffract::internals::surface::synth::SurfaceKind;
+use diffract::internals::task::Task;
+use diffract::internals::viewer::error_probe::{ProbeSamples, samples};
+use diffract::internals::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 

@@ -1,12 +1,12 @@
 //! The mirror and the sinusoidal grating, whose response is known.
 
 use crate::plain::{MIRROR, bessel, flat, scaled, surface, swapped, toward, view_at};
-use diffract::optics::coherence::Coherence;
-use diffract::optics::geometry::Pair;
-use diffract::optics::grating;
-use diffract::optics::reference::Reference;
-use diffract::optics::reflectance::Reflectance;
-use diffract::surface::HeightField;
+use diffract::internals::optics::coherence::Coherence;
+use diffract::internals::optics::geometry::Pair;
+use diffract::internals::optics::grating;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::optics::reflectance::Reflectance;
+use diffract::internals::surface::HeightField;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 

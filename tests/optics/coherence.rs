@@ -3,9 +3,9 @@
 use crate::plain::{
     MIRROR, amplitude, mirrored, rough, scaled, swapped, tiled, toward, upside_down, view_at, with_heights,
 };
-use diffract::optics::coherence::Coherence;
-use diffract::optics::reference::Reference;
-use diffract::surface::HeightField;
+use diffract::internals::optics::coherence::Coherence;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::surface::HeightField;
 use glam::{DVec2, DVec3};
 
 /// (u, v, w) and wavelength \[µm\] of oblique pairs of directions, near the mirror direction and far from it, and of the

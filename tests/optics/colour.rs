@@ -1,12 +1,12 @@
 //! The colour integral against an own sum over the CIE's tables, half a nanometre at a time.
 
 use crate::plain::{MIRROR, flat, rough, scaled, toward, view_at};
-use diffract::optics::coherence::Coherence;
-use diffract::optics::geometry::Pair;
-use diffract::optics::reference::Reference;
-use diffract::optics::reflectance::Reflectance;
-use diffract::optics::spectrum::Illuminant;
-use diffract::surface::HeightField;
+use diffract::internals::optics::coherence::Coherence;
+use diffract::internals::optics::geometry::Pair;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::optics::reflectance::Reflectance;
+use diffract::internals::optics::spectrum::Illuminant;
+use diffract::internals::surface::HeightField;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 

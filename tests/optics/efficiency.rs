@@ -3,11 +3,11 @@
 //! docs/EFFICIENCY.md is written from here; a test compares it.
 
 use crate::plain::{MIRROR, bessel, toward, view_at};
-use diffract::optics::coherence::Coherence;
-use diffract::optics::geometry::Pair;
-use diffract::optics::reference::Reference;
-use diffract::surface::HeightField;
-use diffract::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::internals::optics::coherence::Coherence;
+use diffract::internals::optics::geometry::Pair;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::surface::HeightField;
+use diffract::internals::surface::synth::{Spec, SurfaceKind, generate};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -44,7 +44,7 @@ fn blaze_power(order: i32, q: f64) -> f64 {
 /// The built-in gratings, one period, sampled so finely that their steps do not count.
 fn gratings() -> [Grating; 2] {
     let make = |kind, period: f64| {
-        let spec = Spec { patch: Some([period, 0.4]), pixel_size: Some([0.01, 0.1]), ..Spec::new(kind) };
+        let spec = Spec::new(kind).with_patch([period, 0.4]).with_pixel_size([0.01, 0.1]);
         generate(&spec).unwrap()
     };
     [

@@ -1,19 +1,19 @@
 //! Properties of the optics over the whole range of each number, three draws in four from its ends.
 
-use diffract::optics::coherence::{Coherence, WindowedAxis};
-use diffract::optics::color::{Tone, display};
-use diffract::optics::geometry::{Pair, direction};
-use diffract::optics::orders::Repeats;
-use diffract::optics::quadrature::Wavelengths;
-use diffract::optics::reference::Reference;
-use diffract::optics::spectrum::Illuminant;
-use diffract::random::Random;
-use diffract::spectra::amplitude::expansion::optimal::Optimal;
-use diffract::spectra::amplitude::expansion::taylor::Taylor;
-use diffract::spectra::amplitude::expansion::{Expansion, HeightScale};
-use diffract::spectra::amplitude::layers::largest_z;
-use diffract::spectra::amplitude::texels::{HALF_UNIT, Texels};
-use diffract::surface::HeightField;
+use diffract::internals::optics::coherence::{Coherence, WindowedAxis};
+use diffract::internals::optics::color::{Tone, display};
+use diffract::internals::optics::geometry::{Pair, direction};
+use diffract::internals::optics::orders::Repeats;
+use diffract::internals::optics::quadrature::Wavelengths;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::optics::spectrum::Illuminant;
+use diffract::internals::random::Random;
+use diffract::internals::spectra::amplitude::expansion::optimal::Optimal;
+use diffract::internals::spectra::amplitude::expansion::taylor::Taylor;
+use diffract::internals::spectra::amplitude::expansion::{Expansion, HeightScale};
+use diffract::internals::spectra::amplitude::layers::largest_z;
+use diffract::internals::spectra::amplitude::texels::{HALF_UNIT, Texels};
+use diffract::internals::surface::HeightField;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use rustfft::num_complex::Complex64;

@@ -2,12 +2,12 @@
 
 use crate::plain::{MIRROR, mirrored, scaled, surface, swapped, toward, upside_down, view_at};
 use ::image::{GrayImage, Luma};
-use diffract::optics::coherence::Coherence;
-use diffract::optics::geometry::Pair;
-use diffract::optics::reference::Reference;
-use diffract::surface::HeightField;
-use diffract::surface::files::{self, ReadSettings, image};
-use diffract::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::internals::optics::coherence::Coherence;
+use diffract::internals::optics::geometry::Pair;
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::surface::HeightField;
+use diffract::internals::surface::files::{self, ReadSettings, image};
+use diffract::internals::surface::synth::{Spec, SurfaceKind, generate};
 use glam::{DVec2, DVec3};
 
 /// 100 × 100 samples, close enough for |u| ≤ 2 at [`WAVELENGTH`].
@@ -84,7 +84,7 @@ fn the_facet_check_fails_for_every_flip() {
 
 /// The height image at `path`, whose largest code means `full_height` \[µm\].
 fn read(path: &std::path::Path, full_height: f64) -> HeightField {
-    let settings = ReadSettings { pixel_size: Some([PIXEL; 2]), height: Some(full_height), channel: None };
+    let settings = ReadSettings::new().with_pixel_size([PIXEL; 2]).with_height(full_height);
     files::read(path, &settings).unwrap().into_field().unwrap()
 }
 
@@ -129,7 +129,7 @@ fn strongest_order(field: &HeightField, wavelength: f64, period: f64) -> f64 {
 
 #[test]
 fn the_generated_blaze_sends_its_light_into_the_first_order_on_the_positive_side() {
-    let blaze = generate(&Spec { patch: Some([10.0, 1.0]), ..Spec::new(SurfaceKind::Blaze) }).unwrap();
+    let blaze = generate(&Spec::new(SurfaceKind::Blaze).with_patch([10.0, 1.0])).unwrap();
     // Slope 0.24623/2.5: u = −w s = 0.195 is the first order of a period of 2.5 µm at 0.4878 µm.
     let (wavelength, u) = (0.4878, 0.1951);
     assert!((strongest_order(&blaze, wavelength, 2.5) - u).abs() < 1e-3);

@@ -1,20 +1,20 @@
 //! Energy: under a white sky no surface is brighter than a flat one of its material, and a white pigment below it not
 //! brighter than white.
 
-use diffract::brdf::albedo::{Decimation, DirectionalAlbedo};
-use diffract::brdf::energy_map::EnergyMap;
-use diffract::optics::coherence::Beyond;
-use diffract::optics::color::xyz_to_linear_srgb;
-use diffract::optics::colour_excess::ColourWeights;
-use diffract::optics::geometry::{Pair, direction};
-use diffract::optics::material::Material;
-use diffract::optics::quadrature::Wavelengths;
-use diffract::optics::reflectance::Reflectance;
-use diffract::optics::spectrum::Illuminant;
-use diffract::optics::theory::Theory;
-use diffract::spectra::power::{OrderSeries, PowerSettings};
-use diffract::surface::synth::{Spec, SurfaceKind, generate};
-use diffract::task::Task;
+use diffract::internals::brdf::albedo::{Decimation, DirectionalAlbedo};
+use diffract::internals::brdf::energy_map::EnergyMap;
+use diffract::internals::optics::coherence::Beyond;
+use diffract::internals::optics::color::xyz_to_linear_srgb;
+use diffract::internals::optics::colour_excess::ColourWeights;
+use diffract::internals::optics::geometry::{Pair, direction};
+use diffract::internals::optics::material::Material;
+use diffract::internals::optics::quadrature::Wavelengths;
+use diffract::internals::optics::reflectance::Reflectance;
+use diffract::internals::optics::spectrum::Illuminant;
+use diffract::internals::optics::theory::Theory;
+use diffract::internals::spectra::power::{OrderSeries, PowerSettings};
+use diffract::internals::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::internals::task::Task;
 use glam::DVec3;
 
 const ANGLES: [f64; 8] = [0.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0, 89.0];

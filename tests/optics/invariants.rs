@@ -1,10 +1,10 @@
 //! What must hold for every surface: zeros below the horizon and out of band, reciprocity, offsets, scale.
 
 use crate::plain::{MIRROR, amplitude, flat, rough, scaled, toward, view_at, with_heights};
-use diffract::optics::coherence::Coherence;
-use diffract::optics::geometry::{Pair, direction};
-use diffract::optics::reference::Reference;
-use diffract::surface::HeightField;
+use diffract::internals::optics::coherence::Coherence;
+use diffract::internals::optics::geometry::{Pair, direction};
+use diffract::internals::optics::reference::Reference;
+use diffract::internals::surface::HeightField;
 use glam::{DVec2, DVec3};
 
 const WINDOW: Coherence = Coherence::Gaussian { length: 4.0 };

@@ -1,7 +1,7 @@
 //! Surfaces, directions and sums, written from the definitions and nothing else.
 
-use diffract::optics::reflectance::Reflectance;
-use diffract::surface::HeightField;
+use diffract::internals::optics::reflectance::Reflectance;
+use diffract::internals::surface::HeightField;
 use glam::{DVec2, DVec3};
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;

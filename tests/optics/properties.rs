@@ -1,9 +1,9 @@
 //! Properties over whole ranges of input: geometry of a pair of directions, and units as they are written.
 
-use diffract::optics::brdf::schlick;
-use diffract::optics::geometry::{Pair, direction};
-use diffract::scene::FarLight;
-use diffract::units;
+use diffract::internals::optics::brdf::schlick;
+use diffract::internals::optics::geometry::{Pair, direction};
+use diffract::internals::scene::FarLight;
+use diffract::internals::units;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -92,7 +92,7 @@ proptest! {
             units::size(&text).map(|_| ()).err(),
         ];
         for error in refusals.into_iter().flatten() {
-            prop_assert_eq!(error.kind(), diffract::error::ErrorKind::Usage);
+            prop_assert_eq!(error.kind(), diffract::internals::error::ErrorKind::Usage);
             prop_assert!(error.to_string().contains("; "), "{}", error);
         }
         if let Ok(length) = units::length(&text) {

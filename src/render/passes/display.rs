@@ -105,7 +105,7 @@ impl DisplayPass {
 /// Push constants of `displayed.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-pub(in crate::render) struct DisplayBlock {
+pub(in crate::internals::render) struct DisplayBlock {
     background: [f32; 3],
     exposure: f32,
     samples: f32,
@@ -114,7 +114,7 @@ pub(in crate::render) struct DisplayBlock {
 
 impl DisplayBlock {
     /// Makes the block for the mean of `samples` samples.
-    pub(in crate::render) fn new(samples: u32, shown: Shown) -> Self {
+    pub(in crate::internals::render) fn new(samples: u32, shown: Shown) -> Self {
         Self {
             background: color::map_to_gamut(shown.background).as_vec3().to_array(),
             exposure: shown.exposure as f32,

@@ -18,7 +18,7 @@ use ash::vk;
 /// Returns the depth test of passes over the pixels that the G-buffer covers, in a depth of this `format`. Their
 /// one triangle lies at the clear depth, so that devices discard uncovered pixels before the fragment shader runs.
 /// Software devices do not skip these with a branch in the shader.
-pub(in crate::render) fn covered(format: vk::Format) -> Depth {
+pub(in crate::internals::render) fn covered(format: vk::Format) -> Depth {
     Depth { format, compare: vk::CompareOp::GREATER, write: false, stencil: None }
 }
 

@@ -215,7 +215,7 @@ impl Renderer {
     }
 
     /// Returns the depth of each pixel of the last geometry pass; [`FAR`] at uncovered pixels.
-    pub(in crate::render) fn depth(&self) -> Result<Vec<f32>> {
+    pub(in crate::internals::render) fn depth(&self) -> Result<Vec<f32>> {
         self.depth_of(PictureArea::All)
     }
 

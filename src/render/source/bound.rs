@@ -106,7 +106,7 @@ impl BoundSource {
     }
 
     /// Returns the constants of the shading stage, without those of the light.
-    pub(in crate::render) fn shade_constants(&self) -> Vec<Constant> {
+    pub(in crate::internals::render) fn shade_constants(&self) -> Vec<Constant> {
         /// Constants of `shade.frag`.
         const SOURCE_HAS_REFLECTANCE: u32 = 1;
         const NORMAL_OF_PIGMENT: u32 = 2;
@@ -119,32 +119,32 @@ impl BoundSource {
 
     /// Returns the number of parts of a pixel's sum under one light. `surrounded`: the specular order of surroundings
     /// needs a second direction of light.
-    pub(in crate::render) fn parts(&self, surrounded: bool) -> u32 {
+    pub(in crate::internals::render) fn parts(&self, surrounded: bool) -> u32 {
         self.iterations.parts_of_pixel(1 + usize::from(surrounded))
     }
 
     /// Returns the largest number of loop iterations of that sum.
-    pub(in crate::render) fn iterations_of_pixel(&self, surrounded: bool) -> usize {
+    pub(in crate::internals::render) fn iterations_of_pixel(&self, surrounded: bool) -> usize {
         self.iterations.of_pixel(1 + usize::from(surrounded))
     }
 
     /// Returns the constants of the source alone.
-    pub(in crate::render) fn constants(&self) -> &[Constant] {
+    pub(in crate::internals::render) fn constants(&self) -> &[Constant] {
         &self.constants
     }
 
     /// Returns the shading stage.
-    pub(in crate::render) fn shade(&self) -> Code<'static> {
+    pub(in crate::internals::render) fn shade(&self) -> Code<'static> {
         self.stages.shade
     }
 
     /// Returns the evaluation stage.
-    pub(in crate::render) fn eval(&self) -> Code<'static> {
+    pub(in crate::internals::render) fn eval(&self) -> Code<'static> {
         self.stages.eval
     }
 
     /// Returns the stage that measures the texture read rate.
-    pub(in crate::render) fn probe(&self) -> Code<'static> {
+    pub(in crate::internals::render) fn probe(&self) -> Code<'static> {
         self.stages.probe
     }
 }

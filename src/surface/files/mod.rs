@@ -52,6 +52,7 @@ const UM: f64 = 1e6;
 
 /// Settings for reading a file: its channel, and scales that the file lacks or that replace the file's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct ReadSettings<'a> {
     /// Distance of samples \[µm\], instead of the file's.
     pub pixel_size: Option<[f64; 2]>,

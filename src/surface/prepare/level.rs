@@ -74,6 +74,7 @@ impl fmt::Display for Levelling {
     }
 }
 
+#[doc(hidden)]
 impl HeightField {
     /// Returns the field less the part that `level` describes.
     ///

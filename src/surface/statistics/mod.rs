@@ -21,7 +21,7 @@ pub use heights::{HeightParameters, deviation, mean};
 pub use joining::{joining, with_periods};
 pub use line_periods::line_periods;
 pub use notes::notes;
-pub(in crate::surface) use periods::wave_vector;
+pub(in crate::internals::surface) use periods::wave_vector;
 pub use periods::{Period, PeriodMethod, dominant_periods};
 pub use profile_form::ProfileKind;
 pub use relief::{ProfileShape, Relief};

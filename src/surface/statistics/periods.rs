@@ -125,7 +125,7 @@ pub fn dominant_periods(field: &HeightField, spectrum: &SurfaceSpectrum) -> Resu
 ///
 /// # Errors
 /// Too little memory for the spectrum.
-pub(in crate::surface) fn wave_vector(field: &HeightField) -> Result<Option<[f64; 2]>> {
+pub(in crate::internals::surface) fn wave_vector(field: &HeightField) -> Result<Option<[f64; 2]>> {
     let part = super::height_spectrum::analysed_part(field);
     let spectrum = SurfaceSpectrum::windowed(&part)?;
     Ok(peaks(&part, &spectrum).first().map(|peak| peak.frequency))

@@ -42,6 +42,7 @@ pub enum SurfaceKind {
 
 /// Settings of a generated surface. `None` is the default of the kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Spec {
     /// Kind of surface.
     pub kind: SurfaceKind,
@@ -99,7 +100,10 @@ impl SurfaceKind {
             Self::Tulip => "tulip",
         }
     }
+}
 
+#[doc(hidden)]
+impl SurfaceKind {
     /// Returns true if the surface depends on the seed.
     pub fn is_random(self) -> bool {
         !matches!(self, Self::Flat | Self::Sinusoid | Self::Blaze | Self::Bumps)
@@ -142,13 +146,6 @@ impl Dimensions {
     fn with_period(self, period: f64) -> Self {
         let scale = period / self.period[0];
         Self { period: [period, self.period[1] * scale], spacing: self.spacing * scale, ..self }
-    }
-}
-
-impl Spec {
-    /// Returns the default surface of `kind`.
-    pub fn new(kind: SurfaceKind) -> Self {
-        Self { kind, seed: 0, patch: None, pixel_size: None, period: None, height: None }
     }
 }
 
