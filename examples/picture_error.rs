@@ -13,7 +13,7 @@ use diffract::{PictureDifference, Result};
 
 fn main() -> Result<()> {
     let [picture, exact] = [1, 2].map(|n| std::env::args().nth(n).unwrap_or_default());
-    let difference = PictureDifference::of_files(picture, exact)?;
+    let difference = PictureDifference::from_files(picture, exact)?;
     println!(
         "{} pixels: relative L2 {:.4} ± {:.4}",
         difference.pixels, difference.relative_l2, difference.relative_l2_interval

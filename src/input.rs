@@ -46,15 +46,28 @@ pub fn open(path: &Path, expected: &str, limit: u64) -> Result<File> {
 /// # Errors
 /// Those of [`open`]; content that is not UTF-8.
 pub fn read_text(path: &Path, expected: &str) -> Result<String> {
-    let file = open(path, expected, MAX_TEXT)?;
-    let mut text = String::new();
     // The file may grow while it is read, so the limit applies to the read bytes as well.
-    file.take(MAX_TEXT).read_to_string(&mut text).map_err(|e| {
+    text_of(open(path, expected, MAX_TEXT)?, expected).map_err(|e| e.at(path.display()))
+}
+
+/// Reads the whole text of a stream of at most [`MAX_TEXT`] bytes.
+///
+/// # Errors
+/// A stream that cannot be read or is longer; content that is not UTF-8.
+pub fn text_of(stream: impl Read, expected: &str) -> Result<String> {
+    let mut text = String::new();
+    stream.take(MAX_TEXT + 1).read_to_string(&mut text).map_err(|e| {
         let (what, remedy) = (format!("it is not text ({e})"), format!("give {expected}"));
         let is_not_text = e.kind() == std::io::ErrorKind::InvalidData;
         let error = if is_not_text { Error::input(what, remedy) } else { Error::files(what, remedy) };
-        error.caused_by(e).at(path.display())
+        error.caused_by(e)
     })?;
+    if text.len() as u64 > MAX_TEXT {
+        return Err(Error::input(
+            format!("it has more than the {MAX_TEXT} bytes that are read"),
+            format!("give {expected}"),
+        ));
+    }
     Ok(text)
 }
 

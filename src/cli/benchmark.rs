@@ -232,7 +232,7 @@ impl BenchmarkScene {
             &self.field,
             &settings,
             &self.device,
-            &mut InUse::of(self.console.context()),
+            &mut InUse::new(self.console.context()),
         )?;
         let (renderer, directions) = self.renderer(&source, &optics)?;
         Ok(Benchmark {

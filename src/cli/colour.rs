@@ -239,14 +239,14 @@ impl<'a> AngleReadings<'a> {
 /// Returns the CSV of the colours.
 fn table(readings: &[AngleReading]) -> Result<String> {
     let mut table = write::Csv::new();
-    table.row(["aspecular", "theta_i", "phi_i", "theta_r", "phi_r", "X", "Y", "Z", "L", "a", "b", "srgb"])?;
+    table.row(["aspecular", "theta_i", "phi_i", "theta_r", "phi_r", "X", "Y", "Z", "L", "a", "b", "srgb"]);
     for r in readings {
         let aspecular = r.aspecular.map(|angle| angle.to_string()).unwrap_or_default();
         let mut cells = vec![aspecular];
         cells.extend([r.theta_i, r.phi_i, r.theta_r, r.phi_r].map(|x| x.to_string()));
         cells.extend(r.xyz.iter().chain(&r.lab).map(|x| format!("{x:.4}")));
         cells.push(r.srgb.clone());
-        table.row(cells)?;
+        table.row(cells);
     }
     table.text()
 }
@@ -254,10 +254,10 @@ fn table(readings: &[AngleReading]) -> Result<String> {
 /// Returns the CSV of the radiance factors: a row for each wavelength \[nm\].
 fn spectrum_table(readings: &[AngleReading], wavelengths: &[f64], spectra: &[Vec<f64>]) -> Result<String> {
     let mut table = write::Csv::new();
-    table.row(std::iter::once("wavelength".to_owned()).chain(readings.iter().map(AngleReading::name)))?;
+    table.row(std::iter::once("wavelength".to_owned()).chain(readings.iter().map(AngleReading::name)));
     for (wavelength, spectrum) in wavelengths.iter().zip(spectra) {
         let cells = spectrum.iter().map(|f| format!("{:e}", PI * f));
-        table.row(std::iter::once(format!("{:.0}", 1e3 * wavelength)).chain(cells))?;
+        table.row(std::iter::once(format!("{:.0}", 1e3 * wavelength)).chain(cells));
     }
     table.text()
 }

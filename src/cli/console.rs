@@ -4,15 +4,20 @@ use super::closed_stdout;
 use super::remedies::in_options;
 use crate::context::Context;
 use crate::error::{self, Error, Result};
+use crate::input;
 use clap::Args;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fmt::Display;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal, Read, Write};
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Streams for the results of a run and for what it says.
 pub struct Streams {
+    /// Data that a command is told to read from `-`.
+    pub input: Box<dyn Read + Send>,
     /// Results.
     pub output: Box<dyn Write + Send>,
     /// Errors and notes.
@@ -22,14 +27,18 @@ pub struct Streams {
 }
 
 impl Streams {
-    /// Returns streams to `output` for results and `errors` for errors and notes. No bars are drawn.
-    pub fn new(output: impl Write + Send + 'static, errors: impl Write + Send + 'static) -> Self {
-        Self { output: Box::new(output), errors: Box::new(errors), is_process: false }
+    /// Returns streams from `input`, to `output` for results, and to `errors` for errors and notes. No bars are drawn.
+    pub fn new(
+        input: impl Read + Send + 'static,
+        output: impl Write + Send + 'static,
+        errors: impl Write + Send + 'static,
+    ) -> Self {
+        Self { input: Box::new(input), output: Box::new(output), errors: Box::new(errors), is_process: false }
     }
 
     /// Returns the streams of the process, with bars of progress if stderr is a terminal.
     pub fn of_process() -> Self {
-        Self { is_process: true, ..Self::new(io::stdout(), io::stderr()) }
+        Self { is_process: true, ..Self::new(io::stdin(), io::stdout(), io::stderr()) }
     }
 }
 
@@ -71,7 +80,7 @@ impl Console {
     /// Returns a run whose words nobody reads, without a cache.
     #[cfg(test)]
     pub fn silent() -> Self {
-        Self::new(Vec::new(), Streams::new(io::sink(), io::sink()), Context::default())
+        Self::new(Vec::new(), Streams::new(io::empty(), io::sink(), io::sink()), Context::default())
     }
 
     /// Returns the run that says as much as `verbosity` asks for, notes of its context included.
@@ -133,6 +142,17 @@ impl Console {
         let _ = writeln!(self.streams().errors, "diffract: {line}"); // nobody listens
     }
 
+    /// Reads the whole text of the file `path`; `-` and `/dev/stdin` are the input of the run.
+    ///
+    /// # Errors
+    /// Those of [`input::read_text`].
+    pub fn read_text(&self, path: &Path, expected: &str) -> Result<String> {
+        if !is_input(path) {
+            return input::read_text(path, expected);
+        }
+        input::text_of(&mut self.streams().input, expected).map_err(|e| e.at(INPUT))
+    }
+
     /// Writes a result, without control characters that a terminal would obey.
     ///
     /// # Errors
@@ -160,6 +180,19 @@ impl Console {
     fn streams(&self) -> MutexGuard<'_, Streams> {
         self.shared.streams.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Name of the input of a run in messages.
+const INPUT: &str = "stdin";
+
+/// Returns true if `path` stands for the input of the run.
+fn is_input(path: &Path) -> bool {
+    path == Path::new("-") || path == Path::new("/dev/stdin")
+}
+
+/// Returns the name in messages of what [`Console::read_text`] reads from `path`.
+pub fn source_name(path: &Path) -> Cow<'_, str> {
+    if is_input(path) { INPUT.into() } else { path.to_string_lossy() }
 }
 
 /// Fails if the process has no stdout: nobody reads the result.

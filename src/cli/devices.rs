@@ -1,13 +1,14 @@
 //! `diffract devices`: lists the Vulkan devices.
 
-use super::check_validation;
 use super::console::Console;
 use super::options::DeviceOptions;
+use super::{check_validation, write};
 use crate::error::Result;
 use crate::vk::instance::Instance;
-use crate::vk::selection::{candidates, choose, kind_name};
+use crate::vk::selection::{Candidate, candidates, choose, kind_name};
 use ash::vk;
 use clap::Args;
+use serde::Serialize;
 
 /// Arguments of `devices`.
 #[derive(Args, Debug)]
@@ -15,8 +16,48 @@ use clap::Args;
   diffract devices
   diffract devices --device cpu")]
 pub struct Arguments {
+    /// Print the list as JSON
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     device: DeviceOptions,
+}
+
+/// List of devices in the JSON.
+#[derive(Serialize)]
+struct DeviceList<'a> {
+    devices: Vec<DeviceReport<'a>>,
+    /// Number of the chosen one, from 0.
+    chosen: Option<usize>,
+    reason: Option<&'a str>,
+}
+
+/// Device in the JSON.
+#[derive(Serialize)]
+struct DeviceReport<'a> {
+    name: &'a str,
+    kind: &'static str,
+    vulkan: String,
+    driver: &'a str,
+    memory_bytes: u64,
+    largest_image: [u32; 3],
+    /// What a device that cannot be used lacks.
+    missing: &'a [&'static str],
+}
+
+impl<'a> DeviceReport<'a> {
+    fn new(device: &'a Candidate) -> Self {
+        let (major, minor) = (vk::api_version_major(device.version), vk::api_version_minor(device.version));
+        Self {
+            name: &device.name,
+            kind: kind_name(device.kind),
+            vulkan: format!("{major}.{minor}.{}", vk::api_version_patch(device.version)),
+            driver: &device.driver,
+            memory_bytes: device.memory,
+            largest_image: [device.max_side, device.max_side, device.max_layers],
+            missing: &device.missing,
+        }
+    }
 }
 
 /// Lists the devices, the chosen one marked, with the reason.
@@ -25,6 +66,14 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let instance = Instance::new(context.validates())?;
     let list = candidates(&instance)?;
     let choice = choose(&list, context.device_choice());
+    if arguments.json {
+        let devices = list.iter().map(DeviceReport::new).collect();
+        let (chosen, reason) =
+            choice.as_ref().map_or((None, None), |(index, reason)| (Some(*index), Some(reason.as_str())));
+        console.write(&write::json_text(&DeviceList { devices, chosen, reason })?)?;
+        choice?;
+        return check_validation(&instance.messages());
+    }
     let mut text = String::new();
     for (index, device) in list.iter().enumerate() {
         let mark = if choice.as_ref().is_ok_and(|c| c.0 == index) { '*' } else { ' ' };

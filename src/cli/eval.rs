@@ -1,13 +1,13 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
-use super::console::Console;
+use super::answer::{Answer, AskedOptics, AskedSurface};
+use super::console::{Console, source_name};
 use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
 use super::progress::ProgressBar;
-use super::{prepare, write};
+use super::{captions, prepare, write};
 use crate::error::{Error, Result};
 use crate::files::Files;
-use crate::input;
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::SHORTEST;
 use crate::render::evaluator::Query;
@@ -37,12 +37,15 @@ Examples:
 pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
-    /// Directions to evaluate
+    /// Directions to evaluate; - is stdin
     #[arg(long, value_name = "FILE")]
     queries: PathBuf,
     /// Output file, instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write the answer as JSON too: input, settings, and a row for each of the table
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    json: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -63,9 +66,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         .reads(arguments.surface.files(arguments.surface_name.as_deref()).map(Path::new))
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
-        .writes(&arguments.output)
+        .writes([&arguments.output, &arguments.json].into_iter().flatten())
         .check()?;
-    let table = QueryTable::read(&arguments.queries)?;
+    let table = QueryTable::read(&arguments.queries, console)?;
     if table.single_wavelengths {
         check_single_wavelengths(arguments.optics.method())?;
         evaluation::check_no_spectrum(&arguments.colour)?;
@@ -78,6 +81,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     for wavelength in table.queries.iter().filter_map(|query| query.wavelength) {
         optics.reflectance.check_wavelength(wavelength)?;
     }
+    let asked = AskedOptics::new(&optics);
     let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
     let below = table.queries.iter().filter(|query| !query.pair.above_horizon()).count();
     if below > 0 {
@@ -96,11 +100,19 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         }
         Ok(())
     })?;
-    write::result(arguments.output.as_deref(), &table.answered(&values)?, console)
+    let answered = table.answered(&values);
+    let text = answered.text_between(table.separator)?;
+    write::result(arguments.output.as_deref(), &text, console)?;
+    let Some(path) = &arguments.json else { return Ok(()) };
+    let name = arguments.surface.name(arguments.surface_name.as_deref());
+    let notes = captions::notes(&field, console);
+    write::json(path, &Answer::new(AskedSurface::new(name, &field), asked, &answered, &notes))
 }
 
 /// Columns of the file, and the queries in them.
 pub(super) struct QueryTable {
+    /// Character between the cells: a comma, or a semicolon, beside which decimals may have commas.
+    separator: u8,
     header: Vec<String>,
     rows: Vec<Vec<String>>,
     queries: Vec<Query>,
@@ -108,9 +120,9 @@ pub(super) struct QueryTable {
 }
 
 impl QueryTable {
-    fn read(path: &Path) -> Result<Self> {
-        let text = input::read_text(path, "a CSV file of directions")?;
-        Self::parse(&text).map_err(|e| e.at(path.display()))
+    fn read(path: &Path, console: &Console) -> Result<Self> {
+        let text = console.read_text(path, "a CSV file of directions")?;
+        Self::parse(&text).map_err(|e| e.at(source_name(path)))
     }
 
     /// Parses the text of a file.
@@ -118,7 +130,9 @@ impl QueryTable {
         let remedy = "write the header theta_i,phi_i,theta_r,phi_r with wavelength (nm) or not, then numbers";
         let bad = |line: u64, what: String| Error::input(format!("line {line}: {what}"), remedy);
         let text = text.strip_prefix('\u{feff}').unwrap_or(text); // spreadsheets write a byte order mark
-        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let separator = separator(text);
+        let mut reader =
+            csv::ReaderBuilder::new().delimiter(separator).trim(csv::Trim::All).from_reader(text.as_bytes());
         let fail =
             |e: csv::Error| bad(e.position().map_or(1, csv::Position::line), e.to_string()).caused_by(e);
         let header: Vec<String> = reader.headers().map_err(fail)?.iter().map(str::to_owned).collect();
@@ -146,6 +160,7 @@ impl QueryTable {
             }
         }
         let mut table = Self {
+            separator,
             header: header.clone(),
             rows: Vec::new(),
             queries: Vec::new(),
@@ -156,10 +171,10 @@ impl QueryTable {
             let line = record.position().map_or(0, csv::Position::line);
             let number = |column: usize| {
                 let cell = record.get(column).unwrap_or_default();
-                cell.parse::<f64>()
-                    .ok()
-                    .filter(|x| x.is_finite())
-                    .ok_or_else(|| bad(line, format!("`{cell}` in {} is not a number", header[column])))
+                let plain = if separator == b';' { cell.replace(',', ".") } else { cell.to_owned() };
+                plain.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| {
+                    bad(line, format!("`{cell}` in {} is not a number{}", header[column], hint(cell)))
+                })
             };
             let [theta_i, phi_i, theta_r, phi_r] = angles.map(number);
             let wavelength = wavelength_column.map(number).transpose()?;
@@ -188,20 +203,31 @@ impl QueryTable {
     }
 
     /// Returns the table with the answers: f, or XYZ.
-    fn answered(&self, values: &[DVec3]) -> Result<String> {
+    fn answered(&self, values: &[DVec3]) -> write::Csv {
         let mut table = write::Csv::new();
         let mut header = self.header.clone();
         header.extend(answers(self.single_wavelengths).iter().map(|name| (*name).to_owned()));
-        table.row(header)?;
+        table.row(header);
         for (row, v) in self.rows.iter().zip(values) {
             let mut cells = row.clone();
             cells.extend(
                 v.to_array()[..answers(self.single_wavelengths).len()].iter().map(|x| format!("{x:e}")),
             );
-            table.row(cells)?;
+            table.row(cells);
         }
-        table.text()
+        table
     }
+}
+
+/// Returns the character between the cells of `text`: a semicolon if its header has some and no comma, as spreadsheets write where decimals have commas.
+fn separator(text: &str) -> u8 {
+    let header = text.lines().next().unwrap_or_default();
+    if header.contains(';') && !header.contains(',') { b';' } else { b',' }
+}
+
+/// Returns what a `cell` that is no number may mean.
+fn hint(cell: &str) -> &'static str {
+    if cell.contains(',') { ", because decimals have points in a table with commas" } else { "" }
 }
 
 /// Returns true for a name that is probably a misspelt [`WAVELENGTH`].
@@ -227,10 +253,22 @@ mod tests {
                 .unwrap();
         assert_eq!(table.queries[0].wavelength, Some(0.55));
         assert_eq!(table.queries[0].pair.view, direction(30.0, 90.0));
-        let answer = table.answered(&[DVec3::splat(0.5)]).unwrap();
+        let answer = table.answered(&[DVec3::splat(0.5)]).text().unwrap();
         assert_eq!(answer, "name,phi_r,theta_r,theta_i,phi_i,wavelength,brdf\n\"a,b\",90,30,10,0,550,5e-1\n");
         let colour = QueryTable::parse("theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n").unwrap();
-        assert!(colour.answered(&[DVec3::ONE]).unwrap().contains("phi_r,X,Y,Z\n0,0,0,0,1e0,1e0,1e0\n"));
+        assert!(
+            colour.answered(&[DVec3::ONE]).text().unwrap().contains("phi_r,X,Y,Z\n0,0,0,0,1e0,1e0,1e0\n")
+        );
+    }
+
+    #[test]
+    fn semicolons_and_decimal_commas_are_read_and_answered_alike() {
+        let table = QueryTable::parse("theta_i;phi_i;theta_r;phi_r;wavelength\n10,5;0;30;90;550\n").unwrap();
+        assert_eq!(table.queries[0].pair.light, direction(10.5, 0.0));
+        let answer = table.answered(&[DVec3::splat(0.5)]).text_between(table.separator).unwrap();
+        assert!(answer.ends_with("\n10,5;0;30;90;550;5e-1\n"), "{answer}");
+        let quoted = "theta_i,phi_i,theta_r,phi_r\n\"10,5\",0,30,90\n";
+        assert!(QueryTable::parse(quoted).err().unwrap().to_string().contains("decimals have points"));
     }
 
     #[test]

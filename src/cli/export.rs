@@ -7,7 +7,7 @@ use super::console::Console;
 use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
 use super::progress::{LESS_WORK, ProgressBar};
-use super::{captions, prepare};
+use super::{captions, prepare, write};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
 use crate::export::page::MOST_PAGE_TEXELS;
@@ -48,7 +48,7 @@ pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
     /// Folder of the export, which is new, empty or a former export
-    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["check", "html"])]
+    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["check", "html", "json"])]
     output: Option<PathBuf>,
     /// Page that shows the material in a browser with WebGL 2: one file of at most 10 MB, which loads nothing. It holds at most 6.7 MB of texels
     #[arg(long, value_name = "FILE")]
@@ -63,6 +63,9 @@ pub struct Arguments {
     /// Largest size of the texels, as in 8MB: the smallest footprint grows until the table fits
     #[arg(long, value_name = "SIZE", value_parser = units::bytes, allow_hyphen_values = true)]
     budget: Option<u64>,
+    /// Write the description of the material as JSON too, as `material.json` has it
+    #[arg(long, value_name = "FILE", hide_short_help = true, conflicts_with = "check")]
+    json: Option<PathBuf>,
     /// Check an export instead: its version, check sums and numbers
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "html", "surface_name"])]
     check: Option<PathBuf>,
@@ -91,7 +94,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
         .reads(&arguments.mesh)
-        .writes(&arguments.html);
+        .writes([&arguments.html, &arguments.json].into_iter().flatten());
     files.check()?;
     if let Some(folder) = &arguments.output {
         check_target(folder)?;
@@ -125,6 +128,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         let subject =
             PageSubject { source: &source, field: &field, optics: &optics, illuminant, mesh: mesh.as_ref() };
         page::write(path, &subject, &material, &description)?;
+    }
+    if let Some(path) = &arguments.json {
+        write::json(path, &description)?;
     }
     console.write(&(summary(&description) + &limit_line(&material.table.header)))
 }

@@ -3,6 +3,7 @@
 mod figure;
 mod sweep;
 
+use super::answer::{Answer, AskedSurface};
 use super::console::Console;
 use super::options::{FigureOptions, ReflectanceOptions, SurfaceOptions, share};
 use super::progress::ProgressBar;
@@ -23,6 +24,7 @@ use crate::surface::HeightField;
 use crate::surface::statistics::{Relief, joining};
 use clap::Args;
 use glam::DVec3;
+use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use sweep::{Sweep, SweptQuantity};
@@ -80,6 +82,9 @@ pub struct Arguments {
     /// Output file, instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write the answer as JSON too: input, settings, and a row for each of the table
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    json: Option<PathBuf>,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -109,7 +114,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     Files::new()
         .reads(arguments.surface.files(arguments.surface_name.as_deref()).map(Path::new))
         .reads(arguments.surface_reflectance.files().map(Path::new))
-        .writes([&arguments.output, &arguments.plot].into_iter().flatten())
+        .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
         .check()?;
     arguments.surface_reflectance.check()?;
     let sweep = arguments.sweep.as_deref().map(Sweep::parse).transpose()?;
@@ -167,7 +172,7 @@ fn run_single(
     prepare::warn_of_coarse_samples(console, field, shortest);
     let light = arguments.light.map_or(DVec3::Z, |light| direction(light.theta, light.phi));
     let mut table = write::Csv::new();
-    table.row(["wavelength", "m", "n", "theta_r", "phi_r", "efficiency", "reflectance", "period"])?;
+    table.row(["wavelength", "m", "n", "theta_r", "phi_r", "efficiency", "reflectance", "period"]);
     let relief = Relief::of(field)?;
     for &wavelength in &arguments.wavelength {
         let orders = orders(cell, reflectance, light, wavelength, console)?;
@@ -175,10 +180,10 @@ fn run_single(
         let theory = ScalarTheory::new(relief, reflectance, LightColour::Wavelength(wavelength));
         told.tell(cell, &format!("{:.1} nm", wavelength * NM_PER_UM), &theory, console);
         for order in orders.iter().filter(|order| is_written(order, arguments.least)) {
-            table.row(cells(order, wavelength))?;
+            table.row(cells(order, wavelength));
         }
     }
-    write::result(arguments.output.as_deref(), &table.text()?, console)
+    arguments.write(&table, field, reflectance, console)
 }
 
 /// Computes the orders over a sweep, and writes and draws them.
@@ -193,7 +198,7 @@ fn run_sweep(
 ) -> Result<()> {
     let runs = sweep::of(arguments, sweep, field, cell, reflectance, console)?;
     sweep::tell(sweep, &runs, console);
-    write::result(arguments.output.as_deref(), &sweep::table(&runs)?, console)?;
+    arguments.write(&sweep::table(&runs), field, reflectance, console)?;
     match &arguments.plot {
         Some(path) => {
             let drawn = figure::figure(arguments, sweep, field, reflectance, &runs);
@@ -203,7 +208,36 @@ fn run_sweep(
     }
 }
 
+/// Settings of the orders in the JSON.
+#[derive(Serialize)]
+struct OrderSettings {
+    /// Polar angle and azimuth of the light; absent where a sweep has them.
+    light_deg: Option<[f64; 2]>,
+    reflectance: String,
+    theory: &'static str,
+}
+
 impl Arguments {
+    /// Writes the table of the orders of `field`, as CSV and as JSON.
+    fn write(
+        &self,
+        table: &write::Csv,
+        field: &HeightField,
+        reflectance: &Reflectance,
+        console: &Console,
+    ) -> Result<()> {
+        write::result(self.output.as_deref(), &table.text()?, console)?;
+        let Some(path) = &self.json else { return Ok(()) };
+        let name = self.surface.name(self.surface_name.as_deref());
+        let settings = OrderSettings {
+            light_deg: self.light.map(|light| [light.theta, light.phi]),
+            reflectance: reflectance.to_string(),
+            theory: reflectance.theory().name(),
+        };
+        let notes = captions::notes(field, console);
+        write::json(path, &Answer::new(AskedSurface::new(name, field), settings, table, &notes))
+    }
+
     /// Checks that the options leave open what `sweep` changes, and nothing else.
     fn check_sweep(&self, sweep: &Sweep) -> Result<()> {
         let refused = |what: &'static str, remedy: &'static str| Err(Error::usage(what, remedy));

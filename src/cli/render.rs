@@ -243,7 +243,7 @@ fn draw(
     }
     let exported = arguments.table.as_deref().map(ExportedTable::open).transpose()?;
     let device = console.context().device()?;
-    let mut in_use = InUse::of(console.context());
+    let mut in_use = InUse::new(console.context());
     let make = |surface: &ObjectSurface| match (&surface.field, surface.source.optics.method) {
         // The reference casts its rays in f64; this source has no data.
         (_, Method::Reference) => Ok(Source::ClassicalGrating(ClassicalGrating::default())),

@@ -13,6 +13,7 @@ mod worked_example;
 use super::captions;
 use super::console::Console;
 use super::options::{FigureOptions, SurfaceOptions, seed};
+use super::remedies::in_options;
 use crate::error::{Error, Result};
 use crate::figure::{self, FigureStyle};
 use crate::files::Files;
@@ -30,7 +31,7 @@ use crate::surface::{HeightField, Statistics, SurfaceSource};
 use crate::{output, units};
 use clap::builder::{OsStringValueParser, TypedValueParser};
 use clap::{Args, Subcommand};
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 /// Commands about a surface.
@@ -51,8 +52,8 @@ pub enum Command {
 #[command(after_help = "Example:
   diffract surface info scan.png --pixel-size 48.83nm --height 434.7nm --level plane --crop 40um --plot scan.svg")]
 pub struct Info {
-    /// Height field: a file or a built-in name
-    surface_name: Option<OsString>,
+    /// Height field: a file or a built-in name; several are described one after the other
+    surface_names: Vec<OsString>,
     /// Print samples, spacing_m, height_range_m, mean_m, rms_m, invalid, channels and statistics as JSON
     #[arg(long)]
     json: bool,
@@ -136,52 +137,94 @@ impl Info {
     }
 }
 
+/// Describes the height fields that the options name, or the default one.
 fn info(arguments: &Info, console: &Console) -> Result<()> {
     if let Some(path) = &arguments.plot {
         figure::FigureFormat::of(path)?;
     }
     let style = arguments.figure.style(arguments.plot.is_some(), &plot::PANELS)?;
-    let name = arguments.surface_name.as_deref();
+    let names = &arguments.surface_names;
+    if names.len() > 1 && arguments.plot.is_some() {
+        return Err(Error::usage("a figure is of one surface", "name one, or leave --plot away"));
+    }
     let material = arguments.reflectance().file();
-    Files::new().reads(arguments.surface.files(name)).reads(&material).writes(&arguments.plot).check()?;
+    let files = names.iter().map(OsString::as_os_str).map(Some).chain(names.is_empty().then_some(None));
+    for name in files.clone() {
+        let read = arguments.surface.files(name);
+        Files::new().reads(read).reads(&material).writes(&arguments.plot).check()?;
+    }
+    let mut described = Vec::new();
+    let mut failed = Vec::new();
+    for name in files {
+        match describe(arguments, &style, name, console) {
+            Ok(text) => described.push(text),
+            Err(e) if names.len() > 1 => failed.push(e),
+            Err(e) => return Err(e),
+        }
+    }
+    let text = match (arguments.json, names.len()) {
+        (true, 2..) => format!(
+            "[\n{}\n]\n",
+            described.iter().map(|text| text.trim_end()).collect::<Vec<_>>().join(",\n")
+        ),
+        _ => described.join("\n"),
+    };
+    console.write(&text)?;
+    failed.iter().for_each(|e| console.print(&in_options(e)));
+    match failed.len() {
+        0 => Ok(()),
+        count => Err(Error::input(
+            format!("{count} of {} surfaces are not described", names.len()),
+            "see the lines above",
+        )),
+    }
+}
+
+/// Describes the height field of this `name` as text or as JSON, and draws it.
+fn describe(
+    arguments: &Info,
+    style: &FigureStyle,
+    name: Option<&OsStr>,
+    console: &Console,
+) -> Result<String> {
     let source = arguments.surface.source(name, None, "elaphe")?;
     let scan = arguments.surface.read(&source, console)?;
     if arguments.json {
-        return report(arguments, &style, &source, scan, console);
+        return report(arguments, style, &source, scan, console);
     }
+    let title = if arguments.surface_names.len() > 1 {
+        format!("{}\n", source.name.display())
+    } else {
+        String::new()
+    };
     let file: String =
         report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
     let field = source.prepare(scan.into_field()?)?;
     let statistics = Statistics::of(&field)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
-        plot::figure(&source, &field, &statistics, &theory, console)?.save(
-            path,
-            &style,
-            &captions::notes(&field, console),
-        )?;
+        let drawn = plot::figure(&source, &field, &statistics, &theory, console)?;
+        drawn.save(path, style, &captions::notes(&field, console))?;
     }
-    console.write(&(file + &describe::text(&field, &statistics, &theory)?))
+    Ok(title + &file + &describe::text(&field, &statistics, &theory)?)
 }
 
-/// Prints the report as JSON. Without preparation steps it is about the heights of the file, including gaps.
+/// Returns the report as JSON. Without preparation steps it is about the heights of the file, including gaps.
 fn report(
     arguments: &Info,
     style: &FigureStyle,
     source: &SurfaceSource,
     scan: Topography,
     console: &Console,
-) -> Result<()> {
+) -> Result<String> {
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
     let scan =
         if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
     let notes = Notes::new(captions::own_command(console), scan.prepared());
-    let report = report::SurfaceReport::of(&scan, origin.as_ref(), invalid);
+    let report = report::SurfaceReport::of(&source.name, &scan, origin.as_ref(), invalid);
     let field = match scan.into_field() {
         Ok(field) => field,
-        Err(e) if arguments.plot.is_none() => {
-            return console.write(&report.without_statistics(&e).json(&notes)?);
-        }
+        Err(e) if arguments.plot.is_none() => return report.without_statistics(&e).json(&notes),
         Err(e) => return Err(e),
     };
     let statistics = Statistics::of(&field)?;
@@ -189,7 +232,7 @@ fn report(
     if let Some(path) = &arguments.plot {
         plot::figure(source, &field, &statistics, &theory, console)?.save(path, style, &notes)?;
     }
-    console.write(&report.with_statistics(&field, statistics, theory)?.json(&notes)?)
+    report.with_statistics(&field, statistics, theory)?.json(&notes)
 }
 
 fn synthesise(arguments: &Synth, console: &Console) -> Result<()> {

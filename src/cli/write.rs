@@ -23,29 +23,42 @@ pub fn file(path: &Path, text: &str) -> Result<()> {
     })
 }
 
-/// Table as CSV, built row by row.
-pub struct Csv(csv::Writer<Vec<u8>>);
+/// Table of text, built row by row; the first row is the header.
+#[derive(Clone, Debug, Default)]
+pub struct Csv(Vec<Vec<String>>);
 
 impl Csv {
     /// Returns an empty table.
     pub fn new() -> Self {
-        Self(csv::Writer::from_writer(Vec::new()))
+        Self::default()
     }
 
-    /// Adds a row.
+    /// Adds a row, which has as many cells as the first.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = impl Into<String>>) {
+        self.0.push(cells.into_iter().map(Into::into).collect());
+    }
+
+    /// Returns all rows.
+    pub fn rows(&self) -> &[Vec<String>] {
+        &self.0
+    }
+
+    /// Returns the text, with commas between cells.
     ///
     /// # Errors
     /// A row with more or fewer cells than the first.
-    pub fn row(&mut self, cells: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Result<()> {
-        self.0.write_record(cells).map_err(no_csv)
+    pub fn text(&self) -> Result<String> {
+        self.text_between(b',')
     }
 
-    /// Returns the text.
+    /// Returns the text, with `separator` between cells.
     ///
     /// # Errors
-    /// Never, if the cells are text.
-    pub fn text(self) -> Result<String> {
-        let bytes = self.0.into_inner().map_err(no_csv)?;
+    /// See [`Self::text`].
+    pub fn text_between(&self, separator: u8) -> Result<String> {
+        let mut writer = csv::WriterBuilder::new().delimiter(separator).from_writer(Vec::new());
+        self.0.iter().try_for_each(|row| writer.write_record(row)).map_err(no_csv)?;
+        let bytes = writer.into_inner().map_err(no_csv)?;
         String::from_utf8(bytes).map_err(no_csv)
     }
 }

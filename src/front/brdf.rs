@@ -95,21 +95,21 @@ pub struct GratingOrder {
     pub period: Option<f64>,
 }
 
-impl GratingOrder {
-    /// Returns the orders of copies of `field` that light from `light` at `wavelength` \[µm\] sends above the horizon, on a surface that reflects as `optics` say.
+impl HeightField {
+    /// Returns the orders of copies of the field that light from `light` at `wavelength` \[µm\] sends above the horizon, on a surface that reflects as `optics` say.
     ///
     /// # Errors
     /// Fails if there is too little memory, or if the task is cancelled.
-    pub fn of(
-        field: &HeightField,
+    pub fn orders(
+        &self,
         optics: &Optics,
         light: [f64; 3],
         wavelength: f64,
         task: &Task,
-    ) -> Result<Vec<Self>> {
-        let cell = MeanBrdf::in_sunlight(&field.unit_cell()?, optics.reflectance.clone());
+    ) -> Result<Vec<GratingOrder>> {
+        let cell = MeanBrdf::in_sunlight(&self.unit_cell()?, optics.reflectance.clone());
         let orders = cell.orders(light.into(), wavelength, task)?;
-        Ok(orders.into_iter().map(Self::from).collect())
+        Ok(orders.into_iter().map(GratingOrder::from).collect())
     }
 }
 
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn the_orders_of_a_sinusoid_stand_where_the_grating_equation_says() {
         let light = direction(30.0, 0.0);
-        let orders = GratingOrder::of(&grating(), &Optics::new(), light, 0.5, &Task::silent()).unwrap();
+        let orders = grating().orders(&Optics::new(), light, 0.5, &Task::silent()).unwrap();
         for order in &orders {
             let expected = -light[0] - order.numbers[0] as f64 * 0.5 / 2.0;
             assert!((order.direction[0] - expected).abs() < 1e-9, "{order:?}");

@@ -39,3 +39,29 @@ pub fn display_srgb(linear: [f64; 3], stops: f64) -> [u8; 3] {
 fn pair([light, view]: &[[f64; 3]; 2]) -> Pair {
     Pair::new(DVec3::from(*light), DVec3::from(*view))
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::context::Context;
+    use crate::error::Error;
+    use crate::front::{SurfaceBrdf, SurfaceColours};
+    use crate::scene::Scene;
+    use crate::settings::Optics;
+    use crate::surface::HeightField;
+    use crate::task::Task;
+
+    #[test]
+    fn public_types_cross_threads_and_own_what_they_hold() {
+        const fn crosses<T: Send + Sync + Clone + 'static>() {}
+        const {
+            crosses::<Context>();
+            crosses::<Error>();
+            crosses::<HeightField>();
+            crosses::<Optics>();
+            crosses::<Scene>();
+            crosses::<SurfaceBrdf>();
+            crosses::<SurfaceColours>();
+            crosses::<Task>();
+        }
+    }
+}

@@ -78,7 +78,7 @@ impl PictureDifference {
     ///
     /// # Errors
     /// Fails for files that cannot be read as pictures, and for pictures of different sizes.
-    pub fn of_files(picture: impl AsRef<Path>, exact: impl AsRef<Path>) -> Result<Self> {
+    pub fn from_files(picture: impl AsRef<Path>, exact: impl AsRef<Path>) -> Result<Self> {
         let [picture, exact] = [read(picture.as_ref())?, read(exact.as_ref())?];
         if picture.dimensions() != exact.dimensions() {
             return Err(Error::input("the pictures differ in size", "draw both in the same size"));

@@ -174,7 +174,7 @@ impl Light {
     ///
     /// # Errors
     /// Fails for another form, and for a spectrum that cannot be read.
-    pub fn of_words(text: &str) -> Result<Self> {
+    pub fn from_words(text: &str) -> Result<Self> {
         Self::parse(text)
     }
 }
@@ -193,7 +193,8 @@ mod tests {
         let other = Object::new(mesh.clone()).with_surface("blaze").placed(2.0, [3.0, 0.0, 0.0]).unwrap();
         let scene = Scene::new(vec![tile, other]).unwrap();
         let scene = scene.with_camera([0.5, -3.0, 3.0], [0.5, 0.5, 0.0], 35.0).unwrap();
-        let scene = scene.with_lights([Light::new(20.0, 0.0, 1.0), Light::of_words("sun:40,90@a").unwrap()]);
+        let scene =
+            scene.with_lights([Light::new(20.0, 0.0, 1.0), Light::from_words("sun:40,90@a").unwrap()]);
         assert_eq!((scene.objects.len(), scene.lights.len()), (2, 2));
         assert!(scene.bounds().radius > 2.0);
         assert!(Scene::new(Vec::new()).is_err());

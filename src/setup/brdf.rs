@@ -71,7 +71,7 @@ pub fn for_each_window(
     });
     let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
     // Spectra of many windows would fill the cache.
-    let mut in_use = if n * m <= CACHED_WINDOWS { InUse::of(context) } else { InUse::default() };
+    let mut in_use = if n * m <= CACHED_WINDOWS { InUse::new(context) } else { InUse::default() };
     let mut energy = None;
     // Colour tables contain the average.
     let one = match optics.windows {

@@ -77,7 +77,7 @@ struct KeptSeries {
 
 impl InUse {
     /// Returns no data so far, with the cache of `context`.
-    pub fn of(context: &Context) -> Self {
+    pub fn new(context: &Context) -> Self {
         Self { store: context.store().cloned(), ..Self::default() }
     }
 

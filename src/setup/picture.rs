@@ -240,7 +240,7 @@ pub fn picture(
     let field = Arc::new(field.clone());
     let surfaces = ObjectSurface::of(scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
     let device = context.device()?;
-    let mut in_use = InUse::of(context);
+    let mut in_use = InUse::new(context);
     let make = |surface: &ObjectSurface| match &surface.field {
         Some(field) => {
             let made = source(field, &surface.source, device.candidate(), &mut in_use, task)?;

@@ -450,7 +450,7 @@ impl Threads {
     fn start(device: &Arc<Device>, context: &Context, proxy: &EventLoopProxy<Event>) -> Result<Self> {
         // Events that are sent after the end of the event loop are dropped.
         let send = proxy.clone();
-        let worker = Worker::new(device.candidate(), Some(device.clone()), InUse::of(context), move |r| {
+        let worker = Worker::new(device.candidate(), Some(device.clone()), InUse::new(context), move |r| {
             drop(send.send_event(Event::Worker(r)));
         })?;
         let send = proxy.clone();

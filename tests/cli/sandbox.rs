@@ -216,7 +216,7 @@ impl Write for Written {
 #[track_caller]
 fn run_inside(words: Vec<OsString>, folder: PathBuf, context: Context) -> Outcome {
     let (output, errors) = (Written::default(), Written::default());
-    let streams = Streams::new(output.clone(), errors.clone());
+    let streams = Streams::new(io::empty(), output.clone(), errors.clone());
     let (sender, receiver) = channel();
     let thread = std::thread::spawn(move || {
         // SAFETY: the thread keeps its file descriptors in common with the others; only its working folder becomes its own.

@@ -5,11 +5,12 @@ pub(super) mod map;
 mod numbers;
 mod variant;
 
+use super::answer::{Answer, AskedOptics, AskedSurface};
 use super::console::Console;
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions, exposure,
 };
-use super::{captions, evaluation};
+use super::{captions, evaluation, write};
 use crate::error::{Error, Result};
 use crate::figure::{FigureFormat, FigureStyle};
 use crate::files::Files;
@@ -25,6 +26,7 @@ use clap::Args;
 use glam::DVec3;
 use map::HemisphereMap;
 use numbers::MapFormat;
+use serde::Serialize;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use variant::Variant;
@@ -57,8 +59,11 @@ pub struct Arguments {
     /// Height field: a file or a built-in name
     surface_name: Option<OsString>,
     /// Output file: .png as displayed; .exr, .csv and .npy linear and signed
-    #[arg(short, long, value_name = "FILE", required_unless_present = "plot")]
+    #[arg(short, long, value_name = "FILE", required_unless_present_any = ["plot", "json"])]
     output: Option<PathBuf>,
+    /// Write the answer as JSON too: input, settings, and a row for each direction
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
+    json: Option<PathBuf>,
     /// Draw a labelled figure of the map: .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
@@ -117,7 +122,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         .reads(arguments.surface.files(arguments.surface_name.as_deref()))
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
-        .writes([&arguments.output, &arguments.plot].into_iter().flatten())
+        .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
         .check()?;
     let ways = match &arguments.compare {
         Some(variants) => variants.iter().map(|v| v.of(&arguments.optics)).collect::<Result<Vec<_>>>()?,
@@ -135,11 +140,14 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     if let Some(plot) = &arguments.plot {
         figure::of_map(arguments, &field, &map).save(plot, &style, &captions::notes(&field, console))?;
     }
-    let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let is_spectral = arguments.wavelength.is_some();
+    if let Some(path) = &arguments.json {
+        write_json(path, arguments, &field, &map, console)?;
+    }
+    let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let format = match format {
         MapFormat::Picture(format) => format,
-        MapFormat::Csv => return numbers::write_csv(path, &map, is_spectral),
+        MapFormat::Csv => return write::file(path, &numbers::table(&map, is_spectral).text()?),
         MapFormat::Npy => return numbers::write_npy(path, &map, is_spectral),
     };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
@@ -148,6 +156,36 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let colour = arguments.wavelength.map_or(LightColour::Spectrum(&illuminant), LightColour::Wavelength);
     let notes = captions::picture_notes(console, &field, &arguments.optics.reflectance(None), colour);
     picture_file::write(path, format, &picture, &notes)
+}
+
+/// Settings of a map in the JSON.
+#[derive(Serialize)]
+struct MapSettings {
+    /// Polar angle, azimuth and intensity of each light.
+    lights: Vec<[f64; 3]>,
+    wavelength_nm: Option<f64>,
+    #[serde(flatten)]
+    optics: AskedOptics,
+}
+
+/// Writes `map` as JSON.
+fn write_json(
+    path: &Path,
+    arguments: &Arguments,
+    field: &HeightField,
+    map: &HemisphereMap,
+    console: &Console,
+) -> Result<()> {
+    let optics = arguments.optics.for_directions(&arguments.colour, field, console)?;
+    let settings = MapSettings {
+        lights: arguments.light.iter().map(|light| [light.theta, light.phi, light.intensity]).collect(),
+        wavelength_nm: arguments.wavelength.map(|micrometres| 1e3 * micrometres),
+        optics: AskedOptics::new(&optics),
+    };
+    let name = arguments.surface.name(arguments.surface_name.as_deref());
+    let table = numbers::table(map, arguments.wavelength.is_some());
+    let notes = captions::notes(field, console);
+    write::json(path, &Answer::new(AskedSurface::new(name, field), settings, &table, &notes))
 }
 
 /// Compares two maps, in a figure and in a line of text.

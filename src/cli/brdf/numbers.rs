@@ -1,6 +1,7 @@
 //! Maps as numbers: CSV and NumPy arrays.
 
 use super::map::{HemisphereMap, views};
+use crate::cli::write::Csv;
 use crate::error::{Error, Result};
 use crate::optics::geometry::angles;
 use crate::output;
@@ -40,29 +41,20 @@ impl MapFormat {
     }
 }
 
-/// Writes `map` to the CSV file `path`, whole or not at all: direction cosines and angles of the viewer, and the BRDF \[sr⁻¹\]. At a single
-/// wavelength `is_spectral` is true and one number says it, else linear sRGB.
-///
-/// # Errors
-/// A file that cannot be written.
-pub fn write_csv(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
-    output::write_atomically(path, |file| {
-        csv(file, map, is_spectral).map_err(|e| output::write_failed(path, e))
-    })
-}
-
-fn csv(file: &mut impl Write, map: &HemisphereMap, is_spectral: bool) -> io::Result<()> {
-    let mut table = csv::Writer::from_writer(file);
+/// Returns the table of `map`: direction cosines and angles of the viewer, and the BRDF \[sr⁻¹\]. At a single wavelength `is_spectral` is true and one
+/// number says it, else linear sRGB.
+pub fn table(map: &HemisphereMap, is_spectral: bool) -> Csv {
+    let mut table = Csv::new();
     let directions = ["x", "y", "theta_r", "phi_r"];
     let values: &[&str] = if is_spectral { &["brdf"] } else { &["r", "g", "b"] };
-    table.write_record(directions.iter().chain(values))?;
+    table.row(directions.iter().chain(values).copied());
     for (place, view) in views(map.side, 0..map.side) {
         let (theta, phi) = angles(view);
         let direction = [view.x, view.y, theta, phi].map(|x| x.to_string());
         let numbers = map.pixels[place][..values.len()].iter().map(|x| format!("{x:e}"));
-        table.write_record(direction.into_iter().chain(numbers))?;
+        table.row(direction.into_iter().chain(numbers));
     }
-    table.flush()
+    table
 }
 
 /// Writes `map` to the file `path`, whole or not at all, as an array of N × N numbers at a single wavelength (`is_spectral`), else of

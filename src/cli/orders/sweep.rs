@@ -248,7 +248,7 @@ fn point(
 }
 
 /// Returns the CSV of a sweep: a row for each order at each point.
-pub fn table(runs: &[Vec<SweepPoint>]) -> Result<String> {
+pub fn table(runs: &[Vec<SweepPoint>]) -> write::Csv {
     let mut table = write::Csv::new();
     table.row([
         "wavelength",
@@ -264,7 +264,7 @@ pub fn table(runs: &[Vec<SweepPoint>]) -> Result<String> {
         "error_te",
         "error_tm",
         "error_mean",
-    ])?;
+    ]);
     let share = |share: Option<f64>| share.map_or_else(String::new, |share| format!("{share:.9e}"));
     let error = |error: Option<f64>| error.map_or_else(String::new, |error| format!("{error:.4}"));
     for point in runs.iter().flatten() {
@@ -279,10 +279,10 @@ pub fn table(runs: &[Vec<SweepPoint>]) -> Result<String> {
             cells.extend([share(polarised.map(|p| p[0])), share(polarised.map(|p| p[1]))]);
             cells.push(share(Some(mean.efficiency)));
             cells.extend([errors.map(|e| e.te), errors.map(|e| e.tm), errors.map(|e| e.mean)].map(error));
-            table.row(cells)?;
+            table.row(cells);
         }
     }
-    table.text()
+    table
 }
 
 /// Tells what share of the light all orders take over the sweep, and where the theory sends too much.

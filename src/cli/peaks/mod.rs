@@ -5,6 +5,7 @@ mod figure;
 mod report;
 mod sweep;
 
+use super::answer::{Answer, AskedOptics, AskedSurface};
 use super::console::Console;
 use super::options::{self, CacheOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
@@ -213,7 +214,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     }
     spread_over_windows(independent_windows(&optics, &field), &alone, &mut found);
     let windows: Vec<Vec<Found>> = asked.iter().map(|one| searched(arguments, one)).collect();
-    write::result(arguments.output.as_deref(), &report::table(&found)?, console)?;
+    write::result(arguments.output.as_deref(), &report::table(&found).text()?, console)?;
     tell(&found, &windows, console);
     let copies = CopiedPeriods::of(&optics, &field)?;
     if let Some(copies) = &copies {
@@ -225,11 +226,29 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     }
     let shift = copies.as_ref().map(CopiedPeriods::relative_shift);
     let reports = reports(arguments, &found, &windows, shift);
-    let documents: Vec<_> = reports.iter().map(|report| write::with_origin(report, &notes)).collect();
+    let name = arguments.surface.name(arguments.surface_name.as_deref());
+    let (input, settings) = (AskedSurface::new(name, &field), AskedOptics::new(&optics));
+    let documents: Vec<_> = reports
+        .iter()
+        .zip(&found)
+        .map(|(report, of)| {
+            let rows = report::table(std::slice::from_ref(of));
+            PeaksDocument { report, answer: Answer::new(input.clone(), settings.clone(), &rows, &notes) }
+        })
+        .collect();
     arguments.json.as_deref().map_or(Ok(()), |path| match &documents[..] {
         [only] => write::json(path, only),
         all => write::json(path, &all),
     })
+}
+
+/// Peaks of an order as JSON: the summary, then the answer with a row for each wavelength.
+#[derive(Serialize)]
+struct PeaksDocument<'a> {
+    #[serde(flatten)]
+    report: &'a PeaksReport,
+    #[serde(flatten)]
+    answer: Answer<'a, AskedOptics>,
 }
 
 /// Finds the peaks of every requested order.

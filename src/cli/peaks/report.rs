@@ -3,7 +3,6 @@
 use super::TangentAxis;
 use super::sweep::AngleSweep;
 use crate::cli::write::Csv;
-use crate::error::Result;
 use crate::measure::branches::Branch;
 use crate::measure::peaks::{Peak, PeriodStatistics, Sought, WindowSpread};
 use serde::Serialize;
@@ -162,15 +161,15 @@ fn over_windows(spread: &WindowSpread) -> String {
 }
 
 /// Returns the CSV; with several orders or branches, another column numbers them.
-pub fn table(found: &[Found]) -> Result<String> {
+pub fn table(found: &[Found]) -> Csv {
     let cell = |value: Option<f64>| value.map(|x| x.to_string()).unwrap_or_default();
     let columns = [true, true, true, true, found.len() > 1, found.iter().any(|of| !of.branches.is_empty())];
     let mut table = Csv::new();
     let mut row = |cells: [String; 6]| {
         let shown = cells.into_iter().zip(columns).filter(|(_, shown)| *shown);
-        table.row(shown.map(|(cell, _)| cell).collect::<Vec<_>>())
+        table.row(shown.map(|(cell, _)| cell));
     };
-    row(["wavelength", "angle", "period", "response", "order", "branch"].map(str::to_owned))?;
+    row(["wavelength", "angle", "period", "response", "order", "branch"].map(str::to_owned));
     for of in found {
         for (place, peak) in of.peaks.iter().enumerate() {
             row([
@@ -180,10 +179,10 @@ pub fn table(found: &[Found]) -> Result<String> {
                 format!("{:e}", peak.response),
                 of.sought.order.to_string(),
                 of.branch_at(place).map(|number| number.to_string()).unwrap_or_default(),
-            ])?;
+            ]);
         }
     }
-    table.text()
+    table
 }
 
 /// Converts µm to nm, without the last bits that the change of units adds.

@@ -10,6 +10,7 @@ use crate::surface::files::{FileSummary, ScanOrigin, Topography, choose};
 use crate::surface::statistics::notes;
 use crate::surface::{HeightField, Statistics};
 use serde::Serialize;
+use std::ffi::OsStr;
 
 /// Channel of the file.
 #[derive(Serialize)]
@@ -38,11 +39,13 @@ pub struct SurfaceReport {
     notes: Vec<String>,
     statistics: Option<Statistics>,
     scalar_theory: Option<ScalarTheory>,
+    /// Name of the file or of the built-in surface.
+    surface: String,
 }
 
 impl SurfaceReport {
-    /// Returns the report of `scan`; `invalid` samples were not measured in the file.
-    pub fn of(scan: &Topography, origin: Option<&ScanOrigin>, invalid: usize) -> Self {
+    /// Returns the report of `scan`, of the surface that the user calls `name`; `invalid` samples were not measured in the file.
+    pub fn of(name: &OsStr, scan: &Topography, origin: Option<&ScanOrigin>, invalid: usize) -> Self {
         let FileSummary { range, mean, rms } = scan.summary();
         Self {
             format: origin.map(|o| o.format),
@@ -60,6 +63,7 @@ impl SurfaceReport {
             notes: Vec::new(),
             statistics: None,
             scalar_theory: None,
+            surface: name.to_string_lossy().into_owned(),
         }
     }
 
