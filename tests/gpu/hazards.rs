@@ -3,6 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{colours, grating, layers, optics, patch, window};
 use crate::mean::source;
+use crate::replay::check;
 use diffract::filter::FootprintSizes;
 use diffract::optics::coherence::Windows;
 use diffract::render::evaluator::Evaluator;
@@ -16,7 +17,7 @@ use diffract::surface::synth::SurfaceKind;
 use diffract::task::Task;
 use diffract::vk::access::Access;
 use diffract::vk::device::Device;
-use diffract::vk::hazards::{RecordedEvent, Resource, check};
+use diffract::vk::event_log::{RecordedEvent, Resource};
 use glam::DVec3;
 use std::sync::Arc;
 
