@@ -1,6 +1,5 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
-mod autotune;
 mod benchmark;
 mod brdf;
 mod cache;

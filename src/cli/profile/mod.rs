@@ -2,8 +2,7 @@
 
 mod report;
 
-use super::autotune::{TunedSetting, tune};
-use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
+use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors};
 use super::options::sample_pixels;
 use super::progress::ProgressBar;
 use super::{captions, prepare, write};
@@ -19,7 +18,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   diffract profile
   diffract profile disc --windows 1x1 --tolerance 5e-2 --size 640x480 --error 2000
-  diffract profile --fps 15 --json profile.json")]
+  diffract profile --frames 30 --json profile.json")]
 pub struct Arguments {
     #[command(flatten)]
     pub benchmark: BenchmarkOptions,
@@ -32,9 +31,6 @@ pub struct Arguments {
     /// Compare this many random pixels, or all, with f64 references: for the same directions, and for rays cast in f64
     #[arg(long, value_name = "N|all", value_parser = compared_pixels, allow_hyphen_values = true)]
     pub error: Option<usize>,
-    /// Choose the most accurate setting that keeps this frame rate; given method, basis and tolerance stay
-    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
-    pub fps: Option<f64>,
     /// Print the parts of the error
     #[arg(long, hide_short_help = true)]
     pub explain: bool,
@@ -58,14 +54,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     files.check()?;
     let scene = BenchmarkScene::open(options)?;
     files.reads(&scene.scene.files).check()?;
-    let tuned = arguments.fps.map(|fps| tune(fps, &scene, &arguments.benchmark)).transpose()?;
-    let options = tuned.as_ref().map_or(&arguments.benchmark, |tuned| &tuned.options);
     let report = profile(&scene, options, arguments)?;
     prepare::finish(&scene.device)?;
     let mut text = report.text();
-    if let (Some(fps), Some(tuned)) = (arguments.fps, &tuned) {
-        text += &tuned_text(fps, tuned);
-    }
     if arguments.explain {
         text += &report.budget_text();
     }
@@ -74,12 +65,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         write::json(path, &write::with_origin(&report, &captions::notes(&scene.field)))?;
     }
     Ok(())
-}
-
-/// Returns the line about the setting that `--fps` chose.
-fn tuned_text(fps: f64, tuned: &TunedSetting) -> String {
-    let keeps = if tuned.keeps { "keeps it" } else { "is the fastest here and does not keep it" };
-    format!("{:<26}{fps} frames a second: {} {keeps}\n", "asked for", tuned.flags)
 }
 
 fn profile(
