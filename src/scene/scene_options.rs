@@ -1,23 +1,24 @@
 //! The options that a scene file holds, as words of a command line.
 
 use crate::error::{Error, Result};
-use serde::{Deserialize, Serialize};
+use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::Path;
 
 /// The table `options` of a scene file.
 pub(super) type FileOptions = BTreeMap<String, OptionValue>;
 
-/// Value of an option. Seeds may lie beyond the integers that TOML guarantees.
-#[derive(Debug, Deserialize, Serialize)]
-#[serde(untagged)]
+/// Value of an option.
+#[derive(Debug, PartialEq)]
 pub(super) enum OptionValue {
     /// A text, which may name a file.
     Text(String),
-    Integer(i64),
-    LargeInteger(u64),
-    Real(f64),
-    Other(toml::Value),
+    /// Number, in its shortest form.
+    Number(String),
+    /// Value of another kind, with the name of that kind.
+    Other(&'static str),
 }
 
 /// Returns the `options` as names and words. Names of files in `folder` are joined to it.
@@ -25,24 +26,85 @@ pub(super) enum OptionValue {
 /// # Errors
 /// A value that is neither a text nor a number.
 pub(super) fn words(options: FileOptions, folder: &Path) -> Result<Vec<[String; 2]>> {
-    let word = |(name, value): (String, OptionValue)| {
-        let word = match value {
-            OptionValue::Text(text) if folder.join(&text).is_file() => {
-                folder.join(&text).to_string_lossy().into_owned()
-            }
-            OptionValue::Text(word) => word,
-            OptionValue::Integer(number) => number.to_string(),
-            OptionValue::LargeInteger(number) => number.to_string(),
-            // `{}` would write 301 digits of 1e300.
-            OptionValue::Real(number) => format!("{number:?}"),
-            OptionValue::Other(value) => {
-                let what = format!("options: `{name}` is of the type {}", value.type_str());
-                return Err(Error::input(what, "give a text or a number, as on the command line"));
-            }
-        };
-        Ok([name, word])
+    let word = |(name, value): (String, OptionValue)| match value {
+        OptionValue::Text(text) if folder.join(&text).is_file() => {
+            Ok([name, folder.join(&text).to_string_lossy().into_owned()])
+        }
+        OptionValue::Text(word) | OptionValue::Number(word) => Ok([name, word]),
+        OptionValue::Other(kind) => Err(Error::input(
+            format!("options: `{name}` is a {kind}"),
+            "give a text or a number, as on the command line",
+        )),
     };
     options.into_iter().map(word).collect()
+}
+
+impl<'de> Deserialize<'de> for OptionValue {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        from.deserialize_any(ValueVisitor)
+    }
+}
+
+/// Writes numbers as texts, which read as the same words.
+impl Serialize for OptionValue {
+    fn serialize<S: Serializer>(&self, into: S) -> std::result::Result<S::Ok, S::Error> {
+        let (Self::Text(word) | Self::Number(word)) = self else {
+            return Err(serde::ser::Error::custom("an option is neither a text nor a number"));
+        };
+        into.serialize_str(word)
+    }
+}
+
+struct ValueVisitor;
+
+impl<'de> Visitor<'de> for ValueVisitor {
+    type Value = OptionValue;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a text or a number")
+    }
+
+    fn visit_str<E>(self, text: &str) -> std::result::Result<OptionValue, E> {
+        Ok(OptionValue::Text(text.to_owned()))
+    }
+
+    fn visit_i64<E>(self, number: i64) -> std::result::Result<OptionValue, E> {
+        Ok(OptionValue::Number(number.to_string()))
+    }
+
+    /// Accepts seeds beyond the integers that TOML guarantees.
+    fn visit_u64<E>(self, number: u64) -> std::result::Result<OptionValue, E> {
+        Ok(OptionValue::Number(number.to_string()))
+    }
+
+    /// Accepts an integer beyond all seeds as a word, which its option refuses.
+    fn visit_u128<E>(self, number: u128) -> std::result::Result<OptionValue, E> {
+        Ok(OptionValue::Number(number.to_string()))
+    }
+
+    fn visit_i128<E>(self, number: i128) -> std::result::Result<OptionValue, E> {
+        Ok(OptionValue::Number(number.to_string()))
+    }
+
+    /// Accepts a number: `{:?}` writes 1e300, while `{}` writes 301 digits.
+    fn visit_f64<E>(self, number: f64) -> std::result::Result<OptionValue, E> {
+        Ok(OptionValue::Number(format!("{number:?}")))
+    }
+
+    fn visit_bool<E>(self, _: bool) -> std::result::Result<OptionValue, E> {
+        Ok(OptionValue::Other("boolean"))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<OptionValue, A::Error> {
+        while list.next_element::<IgnoredAny>()?.is_some() {}
+        Ok(OptionValue::Other("list"))
+    }
+
+    /// Refuses a table; a date is a table to the parser.
+    fn visit_map<A: MapAccess<'de>>(self, mut table: A) -> std::result::Result<OptionValue, A::Error> {
+        while table.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
+        Ok(OptionValue::Other("table or a date"))
+    }
 }
 
 #[cfg(test)]
@@ -75,11 +137,11 @@ mod tests {
     #[test]
     fn other_values_are_refused_by_name() {
         for (value, kind) in
-            [("true", "boolean"), ("[1, [2]]", "array"), ("{ b = 1 }", "table"), ("2026-11-26", "datetime")]
+            [("true", "boolean"), ("[1, [2]]", "list"), ("{ b = 1 }", "table"), ("2026-11-26", "date")]
         {
             let e = read(&format!("a = {value}")).unwrap_err().to_string();
             assert!(
-                e.contains("`a` is of the type") && e.contains(kind) && e.contains("give a text or a number"),
+                e.contains("`a` is a") && e.contains(kind) && e.contains("give a text or a number"),
                 "{e}"
             );
         }

@@ -208,7 +208,7 @@ fn bad_scenes_are_refused_by_name() {
         ),
         (format!("{SCENE}[options]\nseed = 18446744073709551616\n"), "18446744073709551615"),
         (format!("{SCENE}[options]\ntolerance = 1e300\n"), "`1e300`"),
-        (format!("{SCENE}[options]\nsamples = true\n"), "`samples` is of the type boolean"),
+        (format!("{SCENE}[options]\nsamples = true\n"), "`samples` is a boolean"),
         (format!("{SCENE}["), "line"),
         (format!("{}{SCENE}", "[".repeat(100_000)), "line 1"),
         ("\u{0}".to_owned(), ""),
