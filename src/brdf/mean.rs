@@ -151,25 +151,25 @@ impl MeanBrdf {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::optics::coherence::Coherence;
     use crate::optics::geometry::direction;
     use crate::optics::reference::Reference;
 
-    fn rough() -> HeightField {
+    pub fn rough() -> HeightField {
         let heights = (0..24 * 20).map(|i| 0.15 * ((i * 37 % 101) as f64 * 0.7).sin()).collect();
         HeightField::new(24, 20, [0.1, 0.11], heights).unwrap()
     }
 
-    const DIRECTIONS: [((f64, f64), (f64, f64)); 4] = [
+    pub const DIRECTIONS: [((f64, f64), (f64, f64)); 4] = [
         ((30.0, 20.0), (40.0, 170.0)),
         ((10.0, 0.0), (70.0, 80.0)),
         ((60.0, 5.0), (60.0, 185.0)),
         ((30.0, 0.0), (31.0, 179.0)),
     ];
 
-    fn pair((light, view): ((f64, f64), (f64, f64))) -> Pair {
+    pub fn pair((light, view): ((f64, f64), (f64, f64))) -> Pair {
         Pair::new(direction(light.0, light.1), direction(view.0, view.1))
     }
 

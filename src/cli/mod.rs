@@ -1,7 +1,6 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
 mod answer;
-mod autotune;
 mod benchmark;
 mod brdf;
 mod cache;

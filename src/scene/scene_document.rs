@@ -7,36 +7,27 @@ use crate::optics::color::Tone;
 use crate::units;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Scene file, with its keys in the order in which it is written. Tables stand behind plain values, as TOML needs it. The keys of the main object stand at
+/// Scene file, with its keys in the order in which it is written. Tables stand behind plain values, as TOML needs it, and what is `None` is left out. The keys of the main object stand at
 /// the top; serde reports unknown keys of flattened structs without a line, so they are repeated here.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneDocument {
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<String>,
     pub mesh: String,
     #[serde(default)]
     pub up: Up,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<String>,
     pub surface: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_size: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prepare: Vec<String>,
     #[serde(default)]
     pub base_color: Triple<f32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pigment: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<Triple<f32>>,
     #[serde(default)]
     pub exposure: SceneExposure,
@@ -47,7 +38,6 @@ pub(super) struct SceneDocument {
     #[serde(default = "yes")]
     pub shadows: bool,
     pub lights: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub environment: Option<EnvironmentDocument>,
     pub camera: CameraDocument,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -86,7 +76,6 @@ pub(super) struct ObjectDocument {
     pub mesh: String,
     #[serde(default)]
     pub up: Up,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<String>,
     #[serde(default)]
     pub position: Triple<f32>,
@@ -94,23 +83,16 @@ pub(super) struct ObjectDocument {
     pub rotation: Triple<Angle>,
     #[serde(default = "one")]
     pub size: f32,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_size: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prepare: Vec<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<String>,
     #[serde(default)]
     pub base_color: Triple<f32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pigment: Option<String>,
 }
 
@@ -128,7 +110,6 @@ pub(super) struct CameraDocument {
 #[serde(deny_unknown_fields)]
 pub(super) struct EnvironmentDocument {
     pub name: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<String>,
     #[serde(default)]
     pub exposure: f64,

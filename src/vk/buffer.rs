@@ -2,8 +2,8 @@
 
 use super::access::Access;
 use super::device::Device;
+use super::event_log::{RecordedEvent, Resource};
 use super::failure;
-use super::hazards::{RecordedEvent, Resource};
 use crate::error::{Error, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;

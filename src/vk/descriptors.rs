@@ -3,8 +3,8 @@
 use super::access::Access;
 use super::buffer::Buffer;
 use super::device::Device;
+use super::event_log::Resource;
 use super::failure;
-use super::hazards::Resource;
 use super::image::Image;
 use super::sampler::Sampler;
 use crate::error::Result;

@@ -1,7 +1,7 @@
 //! Logical device: one queue, one allocator, and debug names.
 
+use super::event_log::EventLog;
 use super::failure;
-use super::hazards::EventLog;
 use super::instance::Instance;
 use super::selection::{self, Candidate, DeviceChoice};
 use crate::error::{Error, Remedies, Result};

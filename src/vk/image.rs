@@ -1,8 +1,8 @@
 //! Image with its memory, a view of all of it, mip levels included, and views of layers to draw into.
 
 use super::device::Device;
+use super::event_log::{RecordedEvent, Resource};
 use super::failure;
-use super::hazards::{RecordedEvent, Resource};
 use crate::error::{Error, Remedy, Result};
 use ash::vk::{self, Handle};
 use gpu_allocator::MemoryLocation;

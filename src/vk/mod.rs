@@ -9,7 +9,7 @@ pub mod buffer;
 pub mod commands;
 pub mod descriptors;
 pub mod device;
-pub mod hazards;
+pub mod event_log;
 pub mod image;
 pub mod instance;
 pub mod mask;

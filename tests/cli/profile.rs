@@ -96,24 +96,3 @@ fn errors_of_shading_of_geometry_and_of_the_whole_are_told_apart() {
     let none = profile(&sandbox, &[]);
     assert!(!none.contains("\"whole\"") && !none.contains("\"geometry\""), "{none}");
 }
-
-#[test]
-fn a_frame_rate_chooses_the_most_accurate_setting_that_keeps_it_and_says_where_none_does() {
-    let sandbox = Sandbox::new();
-    let asked = |options: &[&str]| {
-        let surface = ["profile", "plate", "--surface", "bumps"];
-        let setting = [&surface[..], &["--coherence", "gaussian:6um", "--windows", "1x1"]].concat();
-        let small = ["--size", "8x6", "--frames", "3"];
-        let outcome = sandbox.run([&setting[..], &small, options].concat());
-        assert_eq!(outcome.code, Some(0), "{outcome:?}");
-        outcome.stdout
-    };
-    let line = |said: &str| said.lines().find(|line| line.starts_with("asked for")).map(str::to_owned);
-    let easy = line(&asked(&["--fps", "0.001"])).unwrap();
-    assert!(easy.contains("--method spectral --basis optimal --tolerance 1e-3 keeps it"), "{easy}");
-    let named = line(&asked(&["--fps", "0.001", "--tolerance", "1e-1", "--basis", "taylor"])).unwrap();
-    assert!(named.contains("--method spectral --basis taylor --tolerance 1e-1 keeps it"), "{named}");
-    let never = line(&asked(&["--fps", "100000", "--tolerance", "1e-1"])).unwrap();
-    assert!(never.contains("does not keep it"), "{never}");
-    assert_eq!(line(&asked(&["--tolerance", "1e-1"])), None);
-}

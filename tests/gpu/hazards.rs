@@ -3,6 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{colours, grating, layers, optics, patch, window};
 use crate::mean::source;
+use crate::replay::check;
 use diffract::internals::filter::FootprintSizes;
 use diffract::internals::optics::coherence::Windows;
 use diffract::internals::render::evaluator::Evaluator;
@@ -16,7 +17,7 @@ use diffract::internals::surface::synth::SurfaceKind;
 use diffract::internals::task::Task;
 use diffract::internals::vk::access::Access;
 use diffract::internals::vk::device::Device;
-use diffract::internals::vk::hazards::{RecordedEvent, Resource, check};
+use diffract::internals::vk::event_log::{RecordedEvent, Resource};
 use glam::DVec3;
 use std::sync::Arc;
 

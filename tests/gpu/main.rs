@@ -29,6 +29,8 @@ mod picture;
 mod promise;
 mod rays;
 mod repeats;
+mod replay;
+mod replay_tests;
 mod shared;
 mod single_samples;
 mod tasks;

@@ -2,8 +2,7 @@
 
 mod report;
 
-use super::autotune::{TunedSetting, tune};
-use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors, fps};
+use super::benchmark::{BenchmarkOptions, BenchmarkScene, PictureErrors};
 use super::console::Console;
 use super::options::sample_pixels;
 use super::progress::ProgressBar;
@@ -20,7 +19,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   diffract profile
   diffract profile disc --windows 1x1 --tolerance 5e-2 --size 640x480 --error 2000
-  diffract profile --fps 15 --json profile.json")]
+  diffract profile --frames 30 --json profile.json")]
 pub struct Arguments {
     #[command(flatten)]
     pub benchmark: BenchmarkOptions,
@@ -33,9 +32,6 @@ pub struct Arguments {
     /// Compare this many random pixels, or all, with f64 references: for the same directions, and for rays cast in f64
     #[arg(long, value_name = "N|all", value_parser = compared_pixels, allow_hyphen_values = true)]
     pub error: Option<usize>,
-    /// Choose the most accurate setting that keeps this frame rate; given method, basis and tolerance stay
-    #[arg(long, value_name = "F", value_parser = fps, allow_hyphen_values = true)]
-    pub fps: Option<f64>,
     /// Print the parts of the error
     #[arg(long, hide_short_help = true)]
     pub explain: bool,
@@ -59,14 +55,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     files.check()?;
     let scene = BenchmarkScene::open(options, console)?;
     files.reads(&scene.scene.files).check()?;
-    let tuned = arguments.fps.map(|fps| tune(fps, &scene, &arguments.benchmark)).transpose()?;
-    let options = tuned.as_ref().map_or(&arguments.benchmark, |tuned| &tuned.options);
     let report = profile(&scene, options, arguments)?;
     prepare::finish(console, &scene.device)?;
     let mut text = report.text();
-    if let (Some(fps), Some(tuned)) = (arguments.fps, &tuned) {
-        text += &tuned_text(fps, tuned);
-    }
     if arguments.explain {
         text += &report.budget_text();
     }
@@ -75,12 +66,6 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         write::json(path, &write::with_origin(&report, &captions::notes(&scene.field, console)))?;
     }
     Ok(())
-}
-
-/// Returns the line about the setting that `--fps` chose.
-fn tuned_text(fps: f64, tuned: &TunedSetting) -> String {
-    let keeps = if tuned.keeps { "keeps it" } else { "is the fastest here and does not keep it" };
-    format!("{:<26}{fps} frames a second: {} {keeps}\n", "asked for", tuned.flags)
 }
 
 fn profile(

@@ -1,5 +1,5 @@
 //! Non-uniform fast Fourier transforms: the sum of [`super::reference`] for many directions, thousands of times faster.
-//! Spectra of a few functions of the height on an oversampled grid are interpolated with a Kaiser–Bessel kernel, all in f64.
+//! Spectra of a few functions of the height on an oversampled grid are interpolated with a compact kernel, all in f64.
 //! Each direction agrees with the direct sum to better than 1e-6. Shares no code with the layers that are compared with it.
 
 mod axis;

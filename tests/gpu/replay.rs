@@ -1,5 +1,5 @@
-//! Log of recorded events as plain data, and a check of it that needs no device: every access must be ordered after
-//! those that it conflicts with, and must see their writes.
+//! Replay of a log of recorded events: every access must be ordered after those that it conflicts with, and must see their
+//! writes.
 //!
 //! The rules are those of the specification's chapter "Synchronization", for one thread and one queue:
 //!
@@ -10,123 +10,12 @@
 //! - A change of layout is a write that happens in its barrier.
 //!
 //! Passes that share a descriptor set use parts of it. An attachment of a pass counts as unused by its shaders, which
-//! must not read it; validation reports those that do. Commands recorded by raw handles (the panel of the window) are
-//! not logged.
+//! must not read it; validation reports those that do.
 
-use super::access::Access;
 use ash::vk::{self, AccessFlags2 as A, ImageLayout, PipelineStageFlags2 as S};
+use diffract::internals::vk::access::Access;
+use diffract::internals::vk::event_log::{RecordedEvent, Resource, Scopes, TexelArea};
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
-/// Resource, by its raw handle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Resource {
-    /// Handle of a buffer.
-    Buffer(u64),
-    /// Handle of an image.
-    Image(u64),
-}
-
-/// Range of texels: array layer, mip level, and the first and the end of columns and rows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TexelArea {
-    /// Array layer and mip level.
-    pub layer: [u32; 2],
-    /// First column and row.
-    pub from: [u32; 2],
-    /// Column and row after the last.
-    pub to: [u32; 2],
-}
-
-impl TexelArea {
-    fn meets(&self, other: &Self) -> bool {
-        let overlap = |i: usize| self.from[i] < other.to[i] && other.from[i] < self.to[i];
-        self.layer == other.layer && overlap(0) && overlap(1)
-    }
-}
-
-/// Scopes of a barrier.
-#[derive(Clone, Copy, Debug)]
-pub struct Scopes {
-    /// First scope.
-    pub source: (S, A),
-    /// Second scope, which waits.
-    pub destination: (S, A),
-}
-
-/// Event of a recording.
-#[derive(Clone, Debug)]
-pub enum RecordedEvent {
-    /// Creation of a resource with this name; its handle may have belonged to another.
-    Made(Resource, String),
-    /// Binding of descriptor sets with these accesses.
-    Bound(Vec<(Resource, Access)>),
-    /// Draw or dispatch that uses the bound resources.
-    Work,
-    /// Use of a resource, as a whole or a part.
-    Used(Resource, Access, Option<TexelArea>),
-    /// End of the pass that drew into attachments.
-    Ended,
-    /// Barrier over all memory.
-    Barrier(Scopes),
-    /// Barrier on an image, between two layouts.
-    ImageBarrier(Resource, Scopes, [ImageLayout; 2]),
-    /// Submission of all work recorded so far, with this fence.
-    Submitted(vk::Fence),
-    /// Wait of the host for the last submission with this fence, and thus for all earlier ones.
-    Waited(vk::Fence),
-}
-
-impl RecordedEvent {
-    /// Returns the event of a barrier over all memory.
-    pub fn barrier(barrier: &vk::MemoryBarrier2<'_>) -> Self {
-        Self::Barrier(Scopes {
-            source: (barrier.src_stage_mask, barrier.src_access_mask),
-            destination: (barrier.dst_stage_mask, barrier.dst_access_mask),
-        })
-    }
-
-    /// Returns the event of a barrier on `image`.
-    pub fn image_barrier(image: Resource, barrier: &vk::ImageMemoryBarrier2<'_>) -> Self {
-        let scopes = Scopes {
-            source: (barrier.src_stage_mask, barrier.src_access_mask),
-            destination: (barrier.dst_stage_mask, barrier.dst_access_mask),
-        };
-        Self::ImageBarrier(image, scopes, [barrier.old_layout, barrier.new_layout])
-    }
-}
-
-/// Event log of a device, active after [`EventLog::start`]. Before that an event costs the test of a flag.
-#[derive(Default)]
-pub struct EventLog {
-    on: AtomicBool,
-    events: Mutex<Vec<RecordedEvent>>,
-}
-
-impl EventLog {
-    /// Starts logging.
-    pub fn start(&self) {
-        self.on.store(true, Ordering::Relaxed);
-    }
-
-    /// Returns the logged events and continues with an empty log.
-    pub fn take(&self) -> Vec<RecordedEvent> {
-        std::mem::take(&mut *self.list())
-    }
-
-    /// Logs `event`.
-    pub fn note(&self, event: impl FnOnce() -> RecordedEvent) {
-        if self.on.load(Ordering::Relaxed) {
-            let event = event();
-            self.list().push(event);
-        }
-    }
-
-    fn list(&self) -> MutexGuard<'_, Vec<RecordedEvent>> {
-        self.events.lock().unwrap_or_else(PoisonError::into_inner) // a list that is only pushed to is always whole
-    }
-}
 
 /// Replays `events`. Returns one line per finding.
 pub fn check(events: &[RecordedEvent]) -> Vec<String> {
@@ -285,7 +174,7 @@ impl Replay {
         let (reads, writes) = (mask & READS, mask & !READS);
         let is_write = writes != A::NONE;
         let meets = |past: &&Past| match (&past.part, &part) {
-            (Some(one), Some(other)) => one.meets(other),
+            (Some(one), Some(other)) => meet(one, other),
             _ => true,
         };
         for past in state.past.iter().filter(meets) {
@@ -325,6 +214,12 @@ impl Replay {
     }
 }
 
+/// Returns true if the areas overlap.
+fn meet(one: &TexelArea, other: &TexelArea) -> bool {
+    let overlap = |i: usize| one.from[i] < other.to[i] && other.from[i] < one.to[i];
+    one.layer == other.layer && overlap(0) && overlap(1)
+}
+
 /// Read accesses.
 const READS: A = A::from_raw(
     A::TRANSFER_READ.as_raw()
@@ -336,7 +231,3 @@ const READS: A = A::from_raw(
         | A::INDEX_READ.as_raw()
         | A::HOST_READ.as_raw(),
 );
-
-#[cfg(test)]
-#[path = "hazards_tests.rs"]
-mod tests;
