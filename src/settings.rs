@@ -43,7 +43,7 @@ impl Method {
     }
 }
 
-/// Settings of the optics. [`Self::checked`] tells whether they go together.
+/// Settings of the optics. Whatever takes them refuses those that do not go together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optics {
     /// Method.

@@ -27,7 +27,7 @@ pub const ORDERS: &str = "orders";
 /// Receiver of the progress of some work.
 type Observer = dyn Fn(Progress) + Send + Sync;
 
-/// Running work, as those see it who wait for it: it reports its progress to them, and they may cancel it.
+/// Handle of running work: the work reports its progress to it, and whoever holds it may cancel the work.
 ///
 /// Clones are the same task: it is cancelled through any of them, from any thread. Work that is cancelled ends with an error,
 /// [`Error::is_cancelled`], when it next reports.

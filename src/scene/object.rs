@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Largest number of objects of a scene.
 pub const MAX_OBJECTS: usize = 64;
 
-/// Object of a scene beside the first.
+/// Object of a scene: a mesh with its place, its surface and its pigment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     /// Mesh in world coordinates.

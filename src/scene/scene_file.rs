@@ -39,7 +39,7 @@ const UNIT: f64 = 1e6;
 /// Metres in the unit of parsed lengths.
 const METRES_PER_MICROMETRE: f64 = 1e-6;
 
-/// Scene: everything that a picture shows, before any option changes it.
+/// Scene: objects, lights, surroundings, camera and display.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Objects in a world whose up is +z, the ground last. Options of the program change the first one.

@@ -40,7 +40,7 @@ pub enum SurfaceKind {
     Tulip,
 }
 
-/// Settings of a generated surface. `None` is the default of the kind.
+/// Settings of a generated surface. What is not set is the default of its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Spec {
