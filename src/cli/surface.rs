@@ -2,6 +2,7 @@
 
 mod compare;
 mod convert;
+mod formula;
 mod report;
 
 pub(super) mod describe;
@@ -12,7 +13,7 @@ mod worked_example;
 
 use super::captions;
 use super::console::Console;
-use super::options::{FigureOptions, SurfaceOptions, seed};
+use super::options::{self, FigureOptions, SurfaceOptions, seed};
 use super::remedies::in_options;
 use crate::error::{Error, Result};
 use crate::figure::{self, FigureStyle};
@@ -81,11 +82,16 @@ pub struct Info {
 /// Arguments of `surface synth`.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:
-  diffract surface synth elaphe --seed 7 -o skin.png      prints the options that read it back")]
+  diffract surface synth elaphe --seed 7 -o skin.png      prints the options that read it back
+  diffract surface synth lamellar --duty 0.4 --flank 50nm -o lines.gsf
+  diffract surface synth --profile '0.15 if x < 0.5 else 0' --period 2um -o steps.gsf")]
 pub struct Synth {
-    /// flat, sinusoid, blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed or tulip
-    #[arg(value_parser = kind)]
-    kind: SurfaceKind,
+    /// flat, sinusoid, blaze, lamellar, bumps, elaphe, xenopeltis, cd, dvd, brushed or tulip
+    #[arg(value_parser = kind, required_unless_present = "profile")]
+    kind: Option<SurfaceKind>,
+    /// A grating whose profile is a formula instead: heights in micrometres over x, from 0 to 1 in each period, as in '0.1*sin(6.2832*x)' or '0.15 if x < 0.5 else 0'
+    #[arg(long, value_name = "FORMULA", allow_hyphen_values = true, conflicts_with_all = ["kind", "duty", "flank"])]
+    profile: Option<String>,
     /// Output file: .png or .tif, 16-bit grey; .gsf, 32-bit floats; .gwy, .npy, .txt or .x3p, every digit
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -104,6 +110,20 @@ pub struct Synth {
     /// Full height
     #[arg(long, value_name = "LENGTH", value_parser = units::length, allow_hyphen_values = true)]
     height: Option<f64>,
+    /// Width of the ridges of a lamellar grating at half of their height, over the period
+    #[arg(long, value_name = "SHARE", value_parser = duty, allow_hyphen_values = true)]
+    duty: Option<f64>,
+    /// Width of the flanks of a lamellar grating, as in 50nm; 0nm for upright ones
+    #[arg(long, value_name = "LENGTH", value_parser = flank, allow_hyphen_values = true)]
+    flank: Option<f64>,
+}
+
+fn duty(text: &str) -> Result<f64> {
+    options::real(text, (0.0, 1.0), "share of a period")
+}
+
+fn flank(text: &str) -> Result<f64> {
+    options::length_within(text, (0.0, 1e3), "width of a flank")
 }
 
 fn kind(name: &str) -> Result<SurfaceKind> {
@@ -236,10 +256,15 @@ fn report(
 }
 
 fn synthesise(arguments: &Synth, console: &Console) -> Result<()> {
-    let &Synth { kind, seed, patch, pixel_size, period, height, output: ref path } = arguments;
+    let &Synth { seed, patch, pixel_size, period, height, duty, flank, output: ref path, .. } = arguments;
     output::check(path)?;
     let format = if image::is_named(path) { None } else { Some(ScanFormat::of(path)?) };
-    let field = synth::generate(&Spec { kind, seed, patch, pixel_size, period, height })?;
+    let kind = arguments.kind.unwrap_or(SurfaceKind::Lamellar);
+    let spec = Spec { kind, seed, patch, pixel_size, period, height, duty, flank };
+    let field = match &arguments.profile {
+        Some(formula) => formula::grating(formula, &spec)?,
+        None => synth::generate(&spec)?,
+    };
     if let Some(format) = format {
         return convert::save(path, format, &Topography::of(field), console);
     }

@@ -106,7 +106,16 @@ impl<'a> ReadSettings<'a> {
 impl Spec {
     /// Returns the default surface of `kind`.
     pub fn new(kind: SurfaceKind) -> Self {
-        Self { kind, seed: 0, patch: None, pixel_size: None, period: None, height: None }
+        Self {
+            kind,
+            seed: 0,
+            patch: None,
+            pixel_size: None,
+            period: None,
+            height: None,
+            duty: None,
+            flank: None,
+        }
     }
 
     /// Returns the settings with the seed of a random surface.

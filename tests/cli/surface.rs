@@ -2,8 +2,19 @@
 
 use crate::sandbox::Sandbox;
 
-const KINDS: [&str; 10] =
-    ["flat", "sinusoid", "blaze", "bumps", "elaphe", "xenopeltis", "cd", "dvd", "brushed", "tulip"];
+const KINDS: [&str; 11] = [
+    "flat",
+    "sinusoid",
+    "blaze",
+    "lamellar",
+    "bumps",
+    "elaphe",
+    "xenopeltis",
+    "cd",
+    "dvd",
+    "brushed",
+    "tulip",
+];
 
 /// The number of `row` in the answer of `surface info`.
 fn row<'a>(info: &'a str, name: &str) -> &'a str {
@@ -352,4 +363,22 @@ fn a_folder_is_compared_without_what_is_no_height_field() {
     assert_ne!(no_scan.code, Some(0));
     std::fs::create_dir(sandbox.path("empty")).unwrap();
     assert!(sandbox.run(["surface", "compare", "empty"]).stderr.contains("holds no height fields"));
+}
+
+#[test]
+fn a_grating_is_made_of_ridges_or_of_a_formula() {
+    let sandbox = Sandbox::new();
+    let synth = |words: &[&str]| sandbox.run2(&["surface", "synth"], words);
+    synth(&["lamellar", "--duty", "0.5", "--period", "2um", "-o", "a.npy"]).done();
+    synth(&["--profile", "0.2 if abs(x - 0.5) < 0.25 else 0", "--period", "2um", "-o", "b.npy"]).done();
+    assert_eq!(sandbox.read("a.npy"), sandbox.read("b.npy"));
+    for (words, part) in [
+        (&["blaze", "--profile", "x", "-o", "c.npy"][..], "--profile"),
+        (&["--profile", "y", "-o", "c.npy"], "not of x alone"),
+        (&["blaze", "--duty", "0.5", "-o", "c.npy"], "take lamellar"),
+        (&["-o", "c.npy"], "KIND"),
+    ] {
+        let line = synth(words).refused(2);
+        assert!(line.contains(part), "{line}");
+    }
 }

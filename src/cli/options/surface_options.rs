@@ -22,7 +22,7 @@ const DEFAULT_SURFACE: &str = "elaphe";
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceOptions {
     /// Height field: a microscope's file (.gsf .gwy .spm .ibw .sur .x3p .sdf .npy .txt .csv .xyz), a TIFF or PNG, or flat, sinusoid,
-    /// blaze, bumps, elaphe, xenopeltis, cd, dvd, brushed, tulip
+    /// blaze, lamellar, bumps, elaphe, xenopeltis, cd, dvd, brushed, tulip
     #[arg(long, value_name = "FILE|BUILTIN")]
     pub surface: Option<OsString>,
     /// Distance between samples, as in 48.83nm or 80nmx90nm, instead of the file's

@@ -24,6 +24,17 @@ pub(super) fn blaze(grid: &SampleGrid, height: f64) -> Result<HeightField> {
     grid.sample(|x, _| height * (periods * x).fract())
 }
 
+/// Returns ridges of the full `height`, `duty` of the period wide at half of it, with straight flanks that are `flank` of the period wide. For upright flanks, order m takes
+/// sin²(kwH/2) sin²(πmD)/(πm/2)² of the power, with the duty D.
+pub(super) fn lamellar(grid: &SampleGrid, height: f64, duty: f64, flank: f64) -> Result<HeightField> {
+    let periods = grid.periods[0] as f64;
+    grid.sample(|x, _| {
+        let inside = 0.5 * duty - ((periods * x).fract() - 0.5).abs();
+        let share = if flank > 0.0 { inside / flank + 0.5 } else { f64::from(u8::from(inside > 0.0)) };
+        height * share.clamp(0.0, 1.0)
+    })
+}
+
 /// Returns h = H cos²(πx/p_x) cos²(πy/p_y): smooth round bumps on a rectangular lattice, flat between them.
 pub(super) fn bumps(grid: &SampleGrid, height: f64) -> Result<HeightField> {
     let [across, along] = grid.periods.map(|n| n as f64);

@@ -24,6 +24,8 @@ pub enum SurfaceKind {
     Sinusoid,
     /// A sawtooth rising along +x, period 2.5 µm, full height 246.23 nm.
     Blaze,
+    /// Ridges with straight flanks, 0.2 µm high, half as wide as their period of 2 µm: a lamellar grating.
+    Lamellar,
     /// Round bumps 0.15 µm high on a lattice of 0.5 µm × 1 µm.
     Bumps,
     /// Finger-like micro-ridges as on the skin of *Elaphe*: 1.14 µm across, 0.43 µm high.
@@ -57,7 +59,16 @@ pub struct Spec {
     pub period: Option<f64>,
     /// Full height \[µm\].
     pub height: Option<f64>,
+    /// Width of the ridges of a lamellar grating at half of their height, over the period.
+    pub duty: Option<f64>,
+    /// Width of the flanks of a lamellar grating \[µm\]; 0 for upright ones.
+    pub flank: Option<f64>,
 }
+
+/// Default period of a lamellar grating \[µm\].
+const LAMELLAR_PERIOD: f64 = 2.0;
+/// Samples of a period of a profile with edges: each edge is right to a hundredth of the period.
+const PROFILE_SAMPLES: f64 = 64.0;
 
 /// The dimensions of a kind \[µm\].
 struct Dimensions {
@@ -72,10 +83,11 @@ struct Dimensions {
 
 impl SurfaceKind {
     /// Every kind, from simple to rich.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Flat,
         Self::Sinusoid,
         Self::Blaze,
+        Self::Lamellar,
         Self::Bumps,
         Self::Elaphe,
         Self::Xenopeltis,
@@ -91,6 +103,7 @@ impl SurfaceKind {
             Self::Flat => "flat",
             Self::Sinusoid => "sinusoid",
             Self::Blaze => "blaze",
+            Self::Lamellar => "lamellar",
             Self::Bumps => "bumps",
             Self::Elaphe => "elaphe",
             Self::Xenopeltis => "xenopeltis",
@@ -106,7 +119,7 @@ impl SurfaceKind {
 impl SurfaceKind {
     /// Returns true if the surface depends on the seed.
     pub fn is_random(self) -> bool {
-        !matches!(self, Self::Flat | Self::Sinusoid | Self::Blaze | Self::Bumps)
+        !matches!(self, Self::Flat | Self::Sinusoid | Self::Blaze | Self::Lamellar | Self::Bumps)
     }
 
     /// Returns the kind of that name.
@@ -123,6 +136,7 @@ impl SurfaceKind {
             Self::Flat => ([0.0, 0.0], 0.0, FORMULA_PATCH),
             Self::Sinusoid => ([2.0, 0.0], 0.2, FORMULA_PATCH),
             Self::Blaze => ([2.5, 0.0], 0.246_23, FORMULA_PATCH),
+            Self::Lamellar => ([LAMELLAR_PERIOD, 0.0], 0.2, FORMULA_PATCH),
             Self::Bumps => ([0.5, 1.0], 0.15, FORMULA_PATCH),
             // The rows of the Elaphe scan repeat every 3.1 µm (its spectrum peaks at 0.32 /µm along y).
             Self::Elaphe => ([1.14, 3.1], 0.43, RANDOM_PATCH),
@@ -135,6 +149,7 @@ impl SurfaceKind {
         };
         let spacing = match self {
             Self::Cd | Self::Dvd => disc_tracks::SPACING,
+            Self::Lamellar => LAMELLAR_PERIOD / PROFILE_SAMPLES,
             _ => f64::INFINITY,
         };
         Dimensions { period, height, patch, spacing }
@@ -162,11 +177,18 @@ pub fn generate(spec: &Spec) -> Result<HeightField> {
         dimensions = dimensions.with_period(period);
     }
     let height = spec.height.unwrap_or(dimensions.height);
+    if spec.kind != SurfaceKind::Lamellar && (spec.duty.is_some() || spec.flank.is_some()) {
+        return Err(Error::usage(
+            format!("a surface of the kind {} has neither duty nor flanks", spec.kind.name()),
+            "leave them out or take lamellar",
+        ));
+    }
     let grid = SampleGrid::new(spec, &dimensions)?;
     match spec.kind {
         SurfaceKind::Flat => analytic::flat(&grid),
         SurfaceKind::Sinusoid => analytic::sinusoid(&grid, height),
         SurfaceKind::Blaze => analytic::blaze(&grid, height),
+        SurfaceKind::Lamellar => lamellar(spec, &dimensions, height),
         SurfaceKind::Bumps => analytic::bumps(&grid, height),
         SurfaceKind::Elaphe => ridges::make(&grid, height, spec.seed, &ridges::ELAPHE),
         SurfaceKind::Xenopeltis => ridges::make(&grid, height, spec.seed, &ridges::XENOPELTIS),
@@ -200,6 +222,44 @@ fn check(spec: &Spec) -> Result<()> {
         ));
     }
     Ok(())
+}
+
+/// Returns a lamellar grating, with at least four samples on each flank.
+fn lamellar(spec: &Spec, dimensions: &Dimensions, height: f64) -> Result<HeightField> {
+    /// Samples on a flank that show its slope.
+    const ON_FLANK: f64 = 4.0;
+    let (duty, flank) = (spec.duty.unwrap_or(0.5), spec.flank.unwrap_or(0.0));
+    let period = dimensions.period[0];
+    let flank_share = flank / period;
+    if !(duty > 0.0 && duty < 1.0 && flank >= 0.0 && flank_share <= 2.0 * duty.min(1.0 - duty)) {
+        return Err(Error::usage(
+            format!(
+                "ridges of {duty} of the period with flanks of {flank} um do not fit a period of {period} um"
+            ),
+            "give a duty between 0 and 1, and flanks that leave a top and a bottom",
+        ));
+    }
+    let spacing = if flank > 0.0 { dimensions.spacing.min(flank / ON_FLANK) } else { dimensions.spacing };
+    let grid = SampleGrid::new(spec, &Dimensions { spacing, ..*dimensions })?;
+    analytic::lamellar(&grid, height, duty, flank_share)
+}
+
+/// Makes the grating whose lines have the heights `profile`(x) \[µm\], x from 0 to 1 over the period along x. `spec` gives its period, patch and sample spacing; its kind is
+/// of no account.
+///
+/// # Errors
+/// Those of [`generate`]; a height that is not finite.
+pub fn from_profile(spec: &Spec, profile: &(dyn Fn(f64) -> f64 + Sync)) -> Result<HeightField> {
+    let spec = &Spec { kind: SurfaceKind::Lamellar, ..*spec };
+    check(spec)?;
+    let dimensions = spec.kind.dimensions().with_period(spec.period.unwrap_or(LAMELLAR_PERIOD));
+    let grid = SampleGrid::new(spec, &dimensions)?;
+    let periods = grid.periods[0] as f64;
+    let field = grid.sample(|x, _| profile((periods * x).fract()))?;
+    match spec.height {
+        Some(height) => grid::to_full_height(&field, height),
+        None => Ok(field),
+    }
 }
 
 /// Rises smoothly from 0 at 0 to 1 at 1, level at both ends.

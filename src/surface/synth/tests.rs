@@ -203,3 +203,25 @@ fn what_cannot_be_made_is_refused_with_exit_code_2() {
         assert_eq!(e.kind(), crate::error::ErrorKind::Usage, "{spec:?}: {e}");
     }
 }
+
+#[test]
+fn ridges_of_a_lamellar_grating_have_their_duty_flanks_and_height() {
+    let spec = Spec {
+        duty: Some(0.4),
+        flank: Some(0.1),
+        period: Some(1.0),
+        patch: Some([3.0, 0.5]),
+        ..Spec::new(SurfaceKind::Lamellar)
+    };
+    let field = generate(&spec).unwrap();
+    assert_eq!(field.range(), (0.0, 0.2));
+    let row = field.row(0);
+    let share = |at: &dyn Fn(f64) -> bool| row.iter().filter(|h| at(**h)).count() as f64 / row.len() as f64;
+    assert!((share(&|h| h >= 0.1) - 0.4).abs() < 0.01, "width at half height");
+    assert!((share(&|h| h > 0.0 && h < 0.2) - 0.2).abs() < 0.01, "both flanks");
+    let mean = row.iter().sum::<f64>() / row.len() as f64;
+    assert!((mean - 0.08).abs() < 1e-3, "{mean}");
+    let refused = |duty, flank| generate(&Spec { duty: Some(duty), flank: Some(flank), ..spec }).is_err();
+    assert!(refused(0.0, 0.0) && refused(1.0, 0.0) && refused(0.4, 0.9) && !refused(0.4, 0.8));
+    assert!(generate(&Spec { duty: Some(0.5), ..Spec::new(SurfaceKind::Blaze) }).is_err());
+}
