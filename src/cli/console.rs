@@ -227,6 +227,52 @@ fn without_controls(text: &str) -> String {
 mod tests {
     use super::*;
 
+    /// Text that a run writes.
+    #[derive(Clone, Default)]
+    struct Recorded(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for Recorded {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_run_says_as_much_as_it_is_asked_for_and_some_things_once() {
+        let said = |quiet, verbose| {
+            let errors = Recorded::default();
+            let streams = Streams::new(io::empty(), io::sink(), errors.clone());
+            let console = Console::new(Vec::new(), streams, Context::default());
+            let console = console.saying(Verbosity { quiet, verbose });
+            console.say_once("note", &"once");
+            console.clone().say_once("note", &"once");
+            console.say_once("other", &"another");
+            console.detail(&"more");
+            console.context().tell(&Error::files("a note", "no matter"));
+            console.print(&"an error");
+            let bytes = errors.0.lock().unwrap().clone();
+            String::from_utf8(bytes).unwrap().replace("diffract: ", "")
+        };
+        assert_eq!(said(true, false), "an error\n");
+        assert_eq!(said(false, false), "once\nanother\na note; no matter\nan error\n");
+        assert_eq!(said(false, true), "once\nanother\nmore\na note; no matter\nan error\n");
+    }
+
+    #[test]
+    fn input_is_read_from_the_stream_of_the_run() {
+        let streams = Streams::new(&b"a,b\n"[..], io::sink(), io::sink());
+        let console = Console::new(Vec::new(), streams, Context::default());
+        assert_eq!(console.read_text(Path::new("-"), "a table").unwrap(), "a,b\n");
+        let bad = Streams::new(&[0xff_u8, 0xfe][..], io::sink(), io::sink());
+        let console = Console::new(Vec::new(), bad, Context::default());
+        let said = console.read_text(Path::new("/dev/stdin"), "a table").unwrap_err().to_string();
+        assert!(said.starts_with("stdin: it is not text"), "{said}");
+    }
+
     #[test]
     fn a_terminal_obeys_no_result() {
         assert_eq!(without_controls("a\t\u{1b}[31mé\u{9b}K\n"), "a\t\u{fffd}[31mé\u{fffd}K\n");
