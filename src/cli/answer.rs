@@ -65,16 +65,16 @@ impl AskedOptics {
     }
 }
 
-/// Answer of a command.
+/// Answer of a command that writes a table.
 #[derive(Serialize)]
-pub struct Answer<'a, S> {
+pub struct TableAnswer<'a, S> {
     input: AskedSurface,
     settings: S,
     rows: Vec<Map<String, Value>>,
     origin: &'a Notes,
 }
 
-impl<'a, S: Serialize> Answer<'a, S> {
+impl<'a, S: Serialize> TableAnswer<'a, S> {
     /// Returns the answer that `table` holds, about `input` under `settings`.
     pub fn new(input: AskedSurface, settings: S, table: &Csv, origin: &'a Notes) -> Self {
         Self { input, settings, rows: objects(table), origin }

@@ -41,7 +41,7 @@ struct DeviceReport<'a> {
     driver: &'a str,
     memory_bytes: u64,
     largest_image: [u32; 3],
-    /// What a device that cannot be used lacks.
+    /// Requirements that the device lacks; none if it can be used.
     missing: &'a [&'static str],
 }
 

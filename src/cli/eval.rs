@@ -1,6 +1,6 @@
 //! `diffract eval`: BRDF numbers for the directions of a CSV file.
 
-use super::answer::{Answer, AskedOptics, AskedSurface};
+use super::answer::{AskedOptics, AskedSurface, TableAnswer};
 use super::console::{Console, source_name};
 use super::evaluation::{self, WAVELENGTHS, check_single_wavelengths};
 use super::options::{CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions};
@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let Some(path) = &arguments.json else { return Ok(()) };
     let name = arguments.surface.name(arguments.surface_name.as_deref());
     let notes = captions::notes(&field, console);
-    write::json(path, &Answer::new(AskedSurface::new(name, &field), asked, &answered, &notes))
+    write::json(path, &TableAnswer::new(AskedSurface::new(name, &field), asked, &answered, &notes))
 }
 
 /// Columns of the file, and the queries in them.

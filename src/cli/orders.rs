@@ -3,7 +3,7 @@
 mod figure;
 mod sweep;
 
-use super::answer::{Answer, AskedSurface};
+use super::answer::{AskedSurface, TableAnswer};
 use super::console::Console;
 use super::options::{FigureOptions, ReflectanceOptions, SurfaceOptions, share};
 use super::progress::ProgressBar;
@@ -235,7 +235,7 @@ impl Arguments {
             theory: reflectance.theory().name(),
         };
         let notes = captions::notes(field, console);
-        write::json(path, &Answer::new(AskedSurface::new(name, field), settings, table, &notes))
+        write::json(path, &TableAnswer::new(AskedSurface::new(name, field), settings, table, &notes))
     }
 
     /// Checks that the options leave open what `sweep` changes, and nothing else.

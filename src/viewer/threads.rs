@@ -54,7 +54,7 @@ mod tests {
             let _ = thread.join(); // never returns
             std::thread::park();
         }
-        let name = "viewer::threads::tests::a_panic_in_a_thread_ends_the_process";
+        let name = "internals::viewer::threads::tests::a_panic_in_a_thread_ends_the_process";
         let program = process::Command::new(std::env::current_exe().unwrap());
         let ended = { program }.args(["--exact", name]).env(PANICS, "1").output().unwrap();
         assert_eq!(ended.status.code(), Some(PANICKED));

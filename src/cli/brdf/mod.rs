@@ -5,7 +5,7 @@ pub(super) mod map;
 mod numbers;
 mod variant;
 
-use super::answer::{Answer, AskedOptics, AskedSurface};
+use super::answer::{AskedOptics, AskedSurface, TableAnswer};
 use super::console::Console;
 use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions, exposure,
@@ -185,7 +185,7 @@ fn write_json(
     let name = arguments.surface.name(arguments.surface_name.as_deref());
     let table = numbers::table(map, arguments.wavelength.is_some());
     let notes = captions::notes(field, console);
-    write::json(path, &Answer::new(AskedSurface::new(name, field), settings, &table, &notes))
+    write::json(path, &TableAnswer::new(AskedSurface::new(name, field), settings, &table, &notes))
 }
 
 /// Compares two maps, in a figure and in a line of text.

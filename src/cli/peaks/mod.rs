@@ -5,7 +5,7 @@ mod figure;
 mod report;
 mod sweep;
 
-use super::answer::{Answer, AskedOptics, AskedSurface};
+use super::answer::{AskedOptics, AskedSurface, TableAnswer};
 use super::console::Console;
 use super::options::{self, CacheOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions};
 use super::range::Range;
@@ -233,7 +233,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         .zip(&found)
         .map(|(report, of)| {
             let rows = report::table(std::slice::from_ref(of));
-            PeaksDocument { report, answer: Answer::new(input.clone(), settings.clone(), &rows, &notes) }
+            PeaksDocument { report, answer: TableAnswer::new(input.clone(), settings.clone(), &rows, &notes) }
         })
         .collect();
     arguments.json.as_deref().map_or(Ok(()), |path| match &documents[..] {
@@ -248,7 +248,7 @@ struct PeaksDocument<'a> {
     #[serde(flatten)]
     report: &'a PeaksReport,
     #[serde(flatten)]
-    answer: Answer<'a, AskedOptics>,
+    answer: TableAnswer<'a, AskedOptics>,
 }
 
 /// Finds the peaks of every requested order.

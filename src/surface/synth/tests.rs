@@ -211,6 +211,7 @@ fn ridges_of_a_lamellar_grating_have_their_duty_flanks_and_height() {
         flank: Some(0.1),
         period: Some(1.0),
         patch: Some([3.0, 0.5]),
+        pixel_size: Some([0.002, 0.1]),
         ..Spec::new(SurfaceKind::Lamellar)
     };
     let field = generate(&spec).unwrap();
