@@ -5,6 +5,7 @@
 //! Gwyddion and RosettaSciIO.
 
 use super::bytes::{Cursor, Number, Order, cut_short, damaged};
+use super::format::Format;
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
@@ -25,6 +26,22 @@ const HEADER: usize = 512;
 const MACINTOSH: u16 = 257;
 /// Largest number of streams of a compressed file; real files have one for each core.
 const MOST_STREAMS: u32 = 1 << 16;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "digital_surf",
+    title: "Digital Surf",
+    extensions: &["sur"],
+    signature: |b| b.starts_with(MAGIC) || b.starts_with(COMPRESSED_MAGIC),
+    is_by_name: false,
+    read,
+    facts: [
+        "yes",
+        "yes",
+        "two below the lowest code, if the header says so",
+        "16 and 32 bits, compressed, both byte orders",
+    ],
+};
 
 /// Reads the file in `bytes`. Several surfaces in one file are channels.
 ///

@@ -4,6 +4,7 @@
 //! a multiple of four, then little-endian floats row by row from the top, in base SI units. NaN was not measured.
 
 use super::bytes::{Number, Order, cut_short, damaged, decode_text};
+use super::format::Format;
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use super::topography::Topography;
 use super::units;
@@ -16,6 +17,17 @@ pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 
 /// Alignment of the data in the file \[bytes\].
 const ALIGNMENT: usize = 4;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "gsf",
+    title: "Gwyddion simple field",
+    extensions: &["gsf"],
+    signature: |b| b.starts_with(MAGIC),
+    is_by_name: false,
+    read,
+    facts: ["yes", "yes", "NaN", "written, too; 32-bit floats"],
+};
 
 /// Reads the file in `bytes`.
 ///

@@ -5,6 +5,7 @@
 //! tools and does not make them invalid.
 
 use super::bytes::{Cursor, Number, Order, damaged, decode_text};
+use super::format::Format;
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use super::{Topography, units};
 use crate::error::{Error, Result};
@@ -16,6 +17,22 @@ use std::io::{self, Write};
 pub const MAGIC: &[u8] = b"GWYP";
 /// First bytes of a file of Gwyddion 1.
 pub const OLD_MAGIC: &[u8] = b"GWYO";
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "gwy",
+    title: "Gwyddion 2",
+    extensions: &["gwy"],
+    signature: |b| b.starts_with(MAGIC) || b.starts_with(OLD_MAGIC),
+    is_by_name: false,
+    read,
+    facts: [
+        "yes",
+        "yes",
+        "",
+        "written, too; 64-bit floats; several channels; masks mark samples for Gwyddion's tools and take nothing away; Gwyddion 1 is refused",
+    ],
+};
 
 /// Reads the file in `bytes`.
 ///

@@ -7,6 +7,7 @@
 pub mod bytes;
 pub mod choose;
 pub mod digital_surf;
+pub mod format;
 pub mod gsf;
 pub mod gwy;
 pub mod igor;
@@ -24,6 +25,7 @@ pub mod table;
 mod testing;
 pub mod text;
 pub mod tiff;
+pub mod tiff_tags;
 pub mod topography;
 pub mod units;
 pub mod write;
@@ -33,6 +35,7 @@ pub mod xyz;
 use super::HeightField;
 use crate::error::{self, Error, Remedy, Result};
 use crate::{input, memory};
+use format::Format;
 use plausible::HeightSource;
 use scan::{Quantity, Scan};
 use sidecar::Sidecar;
@@ -42,10 +45,6 @@ pub use topography::{ChannelInfo, FileSummary, ScanOrigin, Spacing, Topography};
 
 /// Largest file \[bytes\]: several channels of the largest field in double precision.
 pub const MAX_FILE: u64 = 8 << 30;
-
-/// Kinds of files that can be read, for messages.
-pub const KNOWN: &str =
-    "a .gsf, .gwy, .spm, .ibw, .sur, .x3p, .sdf, .npy, .txt, .csv, .xyz, .tif or .png file";
 
 /// Micrometres of a metre.
 const UM: f64 = 1e6;
@@ -83,9 +82,49 @@ impl HeightField {
     }
 }
 
-/// Extensions of the names of height files, without the dot.
-pub const EXTENSIONS: [&str; 14] =
-    ["gsf", "gwy", "spm", "ibw", "sur", "x3p", "sdf", "npy", "txt", "csv", "xyz", "tif", "tiff", "png"];
+/// All formats that are read. The first one whose signature fits reads a file. Recognition, lists of extensions, the table in
+/// `docs/SCANS.md` and the fuzzer's readers follow from these rows.
+pub const FORMATS: &[Format] = &[
+    gsf::FORMAT,
+    gwy::FORMAT,
+    nanoscope::FORMAT,
+    igor::FORMAT,
+    digital_surf::FORMAT,
+    x3p::FORMAT,
+    sdf::FORMAT,
+    park::FORMAT,
+    tiff::FORMAT,
+    image::FORMAT,
+    npy::FORMAT,
+    text::FORMAT,
+    xyz::FORMAT,
+];
+
+/// Returns the extensions of the names of height files, without the dot, each once.
+pub fn extensions() -> Vec<&'static str> {
+    let mut found = Vec::new();
+    for extension in FORMATS.iter().flat_map(|format| format.extensions) {
+        if !found.contains(extension) {
+            found.push(*extension);
+        }
+    }
+    found
+}
+
+/// Returns the extensions for people: with dots and a space between them.
+pub fn dotted_extensions() -> String {
+    extensions().iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns true if `extension` is that of a height file, in any case.
+pub fn is_extension(extension: &str) -> bool {
+    extensions().contains(&extension.to_lowercase().as_str())
+}
+
+/// Returns the kinds of files that can be read, for messages.
+pub fn known() -> String {
+    format!("a height file ({})", dotted_extensions())
+}
 
 /// Reads a file that is in memory; `extension` is that of its name, in lower case.
 ///
@@ -97,7 +136,7 @@ pub fn from_bytes(bytes: &[u8], extension: &str, settings: &ReadSettings) -> Res
 
 /// Reads all of a file.
 fn load(path: &Path) -> Result<Vec<u8>> {
-    let file = input::open(path, KNOWN, MAX_FILE)?;
+    let file = input::open(path, &known(), MAX_FILE)?;
     let at = |e: Error| e.at(path.display());
     let length = file.metadata().map_or(0, |m| m.len());
     if length == 0 {
@@ -112,50 +151,25 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads `bytes` in the format of their first bytes, or else in that of the `extension` of the file's name.
+/// Reads `bytes` in the format of their content, or else in that of the `extension` of the file's name. Channels of the same name are
+/// numbered.
 ///
 /// # Errors
 /// No known format; errors of the format's reader.
 pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
-    let begins = |magic: &[u8]| bytes.starts_with(magic);
-    if begins(gsf::MAGIC) {
-        return gsf::read(bytes);
-    }
-    if begins(gwy::MAGIC) || begins(gwy::OLD_MAGIC) {
-        return gwy::read(bytes);
-    }
-    if nanoscope::MAGICS.iter().any(|magic| begins(magic)) || begins(nanoscope::FORCE_MAGIC) {
-        return nanoscope::read(bytes);
-    }
-    if begins(digital_surf::MAGIC) || begins(digital_surf::COMPRESSED_MAGIC) {
-        return digital_surf::read(bytes);
-    }
-    if begins(x3p::MAGIC) {
-        return x3p::read(bytes);
-    }
-    if sdf::TEXT_MAGICS.iter().any(|magic| begins(magic)) {
-        return sdf::read_text(bytes);
-    }
-    if sdf::BINARY_MAGICS.iter().any(|magic| begins(magic)) {
-        return sdf::read_binary(bytes);
-    }
-    if begins(npy::MAGIC) {
-        return npy::read(bytes);
-    }
-    if image::is_tiff(bytes) {
-        return tiff::read(bytes);
-    }
-    if begins(image::PNG_MAGIC) || matches!(extension, "png" | "tif" | "tiff") {
-        return image::read(bytes);
-    }
-    if igor::recognise(bytes).is_some() || extension == "ibw" {
-        return igor::read(bytes);
-    }
-    // Text has no magic bytes, and no NUL.
-    if bytes.contains(&0) {
-        return Err(Error::input("is of no known format", format!("give {KNOWN}")));
-    }
-    if extension == "xyz" { xyz::read(bytes) } else { text::read(bytes) }
+    let by_name = |format: &&Format| format.is_by_name && format.has_extension(extension);
+    let by_content = FORMATS.iter().find(|format| (format.signature)(bytes));
+    let format = match by_content.or_else(|| FORMATS.iter().find(by_name)) {
+        Some(format) => format,
+        // Text has no magic bytes, and no NUL.
+        None if bytes.contains(&0) => {
+            return Err(Error::input("is of no known format", format!("give {}", known())));
+        }
+        None => &text::FORMAT,
+    };
+    let mut scan = (format.read)(bytes)?;
+    scan.number_equal_names();
+    Ok(scan)
 }
 
 /// Returns the heights of the chosen channel of `scan`, with the scales that `settings` or the sidecar give.

@@ -83,6 +83,18 @@ impl<'a> Scan<'a> {
         Self { format, channels, notes: Vec::new(), asks: false }
     }
 
+    /// Numbers channels that have the name of an earlier one, as in `Height (2)`, so that each can be chosen by its name.
+    pub fn number_equal_names(&mut self) {
+        let mut met = std::collections::HashMap::new();
+        for channel in &mut self.channels {
+            let count: &mut usize = met.entry(channel.name.clone()).or_default();
+            *count += 1;
+            if *count > 1 {
+                channel.name = format!("{} ({count})", channel.name);
+            }
+        }
+    }
+
     /// Returns a file of the channels that can be read, each with its name. Errors of the others become notes.
     ///
     /// # Errors

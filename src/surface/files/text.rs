@@ -4,6 +4,7 @@
 //! in the language of the program. Without them a matrix is in metres and has no lateral scale.
 
 use super::bytes::decode_text;
+use super::format::{Format, no_signature};
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, TextTable};
 use super::topography::Topography;
@@ -22,6 +23,22 @@ struct GwyddionHead {
 
 /// First bytes of Wyko's text format, which holds more than a matrix.
 const WYKO_MAGIC: &[u8] = b"Wyko ASCII";
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "text",
+    title: "matrix",
+    extensions: &["txt", "csv"],
+    signature: no_signature,
+    is_by_name: false,
+    read,
+    facts: [
+        "Gwyddion's header, or to be given",
+        "the header's unit, or metres",
+        "`nan`, `BAD`, an empty field",
+        "written with Gwyddion's header and every digit",
+    ],
+};
 
 /// Reads the file in `bytes`.
 ///

@@ -5,9 +5,10 @@
 //! tags are applied.
 
 use super::bytes::damaged;
+use super::format::Format;
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::topography::Topography;
-use super::{image, park, units};
+use super::{image, units};
 use crate::error::{self, Error, Result};
 use crate::memory;
 use crate::notes::{self, Notes};
@@ -21,27 +22,35 @@ use std::io::{Cursor, Seek, Write};
 /// Largest distance of samples in resolution tags \[m\]; larger ones are the size of a print, not of the surface.
 const COARSEST: f64 = 10e-6;
 
-/// Tag of JPK's microscopes for the width of the scan.
-const JPK_WIDTH: u16 = 32834;
-
 /// First words of the description of a TIFF of this program.
 const OWN: &str = "heights in metres; distance of samples in metres: ";
 
-/// Reads the file in `bytes`; only the first page of several is read. Files of Park's microscopes are read by [`park`].
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "tiff",
+    title: "TIFF",
+    extensions: &["tif", "tiff"],
+    signature: image::is_tiff,
+    is_by_name: true,
+    read,
+    facts: [
+        "resolution tags finer than 10 µm, ImageJ's description",
+        "floats: metres; integers: to be given",
+        "NaN",
+        "classic and BigTIFF; written as 32-bit floats with both scales",
+    ],
+};
+
+/// Reads the file in `bytes`; only the first page of several is read.
 ///
 /// # Errors
-/// A file that is damaged; colours; a size that no height field has; a scan of JPK's microscopes, whose first page is a thumbnail.
+/// A file that is damaged; colours; a size that no height field has.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    if let Some(scan) = park::read(bytes)? {
-        return Ok(scan);
+    if !image::is_tiff(bytes) {
+        // The name alone says that it is a TIFF: a PNG perhaps.
+        return image::read(bytes);
     }
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(explain)?;
-    if decoder.find_tag(Tag::Unknown(JPK_WIDTH)).map_err(explain)?.is_some() {
-        return Err(Error::input(
-            "is a scan of JPK's microscopes, whose channels are not read",
-            "export the height as .gsf or .txt with Gwyddion, or as text with JPK's own program",
-        ));
-    }
     let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
     if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(explain)?
         == Some(white_is_zero)

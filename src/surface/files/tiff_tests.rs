@@ -150,15 +150,6 @@ fn counting_from_white_and_sizes_that_lie_are_refused() {
 }
 
 #[test]
-fn a_scan_of_jpk_is_refused_instead_of_its_thumbnail() {
-    let mut entries = grey(8, 1, 1);
-    assert!(read(&file(false, false, &entries, &[0; 6])).is_ok());
-    entries.push((JPK_WIDTH, 4, 1));
-    let e = read(&file(false, false, &entries, &[0; 6])).err().unwrap().to_string();
-    assert!(e.contains("JPK") && e.contains(".gsf"), "{e}");
-}
-
-#[test]
 fn codes_that_count_from_white_are_refused() {
     for bits in [8, 16] {
         let data = vec![1u8; 6 * bits as usize / 8];
