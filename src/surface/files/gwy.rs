@@ -6,7 +6,7 @@
 
 use super::bytes::{Cursor, Number, Order, damaged, decode_text};
 use super::format::Format;
-use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
+use super::scan::{Block, Channel, Scan, size, spacing};
 use super::{Topography, units};
 use crate::error::{Error, Result};
 use crate::notes::{self, Notes, PreparationRecord};
@@ -98,19 +98,9 @@ fn field(body: &[u8], name: String, prepared: PreparationRecord) -> Result<Chann
     let size = size(columns, rows)?;
     let [lateral, unit] = unit_names;
     let metres = units::length(&lateral);
-    let height = units::length(&unit);
     let side = |i: usize| spacing(sides[i]? * metres?, size[i]);
-    let mut block = Block::plain(data, Number::F64, Order::Little);
-    block.scale[0] = height.unwrap_or(1.0);
-    Ok(Channel {
-        name,
-        unit,
-        size,
-        spacing: [side(0), side(1)],
-        quantity: if height.is_some() { Quantity::Height } else { Quantity::Other },
-        prepared,
-        decode: block.decode(size)?,
-    })
+    let block = Block::plain(data, Number::F64, Order::Little);
+    Ok(Channel { prepared, ..Channel::stored(name, &unit, size, [side(0), side(1)], block)? })
 }
 
 /// Returns the text of a `GwySIUnit`.

@@ -4,21 +4,31 @@
 //! format is recognised by its content and then by its name, a channel is chosen, options and sidecars give the scales that are missing,
 //! and samples that were not measured are known. [`Topography`] is the result. `docs/SCANS.md` has the table of formats.
 
+pub mod alicona;
+pub mod bcr;
 pub mod bytes;
 pub mod choose;
 pub mod digital_surf;
 pub mod format;
+pub mod frt;
 pub mod gsf;
 pub mod gwy;
+pub mod header;
 pub mod igor;
 pub mod image;
 pub mod invalid;
+pub mod jpk;
+pub mod keyence;
+pub mod nanonis;
 pub mod nanoscope;
+pub mod nanosurf;
 pub mod npy;
 pub mod park;
+pub mod picoview;
 pub mod plausible;
 pub mod scan;
 pub mod sdf;
+pub mod sensofar;
 pub mod sidecar;
 pub mod table;
 #[cfg(test)]
@@ -29,8 +39,11 @@ pub mod tiff_tags;
 pub mod topography;
 pub mod units;
 pub mod write;
+pub mod wsxm;
+pub mod wyko;
 pub mod x3p;
 pub mod xyz;
+pub mod zygo;
 
 use super::HeightField;
 use crate::error::{self, Error, Remedy, Result};
@@ -92,6 +105,18 @@ pub const FORMATS: &[Format] = &[
     digital_surf::FORMAT,
     x3p::FORMAT,
     sdf::FORMAT,
+    jpk::FORMAT,
+    nanosurf::FORMAT,
+    zygo::FORMAT,
+    wyko::FORMAT,
+    nanonis::FORMAT,
+    keyence::FORMAT,
+    sensofar::FORMAT,
+    alicona::FORMAT,
+    wsxm::FORMAT,
+    picoview::FORMAT,
+    frt::FORMAT,
+    bcr::FORMAT,
     park::FORMAT,
     tiff::FORMAT,
     image::FORMAT,

@@ -45,9 +45,6 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let header = NanoscopeHeader::parse(bytes)?;
     let images = || header.sections.iter().filter(|s| s.is_image());
-    if images().next().is_none() {
-        return Err(Error::input("holds no image", "choose a file with an image in it"));
-    }
     let channels = images().map(|image| (image.name(), channel(bytes, &header, image)));
     Scan::of_readable("Nanoscope", channels.collect())
 }

@@ -5,12 +5,9 @@
 
 use super::bytes::{Cursor, Number, Order, cut_short, damaged};
 use super::format::Format;
-use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
+use super::scan::{Block, Channel, Rows, Scan, size, spacing};
 use super::tiff_tags::TiffDirectory;
-use super::units;
 use crate::error::{Error, Result};
-use crate::notes::PreparationRecord;
-use std::borrow::Cow;
 
 /// Private tags.
 const VERSION_TAG: u16 = 50433;
@@ -50,26 +47,14 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let header = tags.value(HEADER_TAG).ok_or_else(|| damaged("Park's header (tag 50435) is missing"))??;
     let version = tags.number(VERSION_TAG).map_or(0, |version| version as u32);
     let header = ParkHeader::read(header, version)?;
-    let metres = units::length(&header.unit);
-    let unit = metres.unwrap_or(1.0);
     let size = size(u64::from(header.counts[0]), u64::from(header.counts[1]))?;
     let block = Block {
-        bytes: Cow::Borrowed(data),
-        scale: [header.scale * header.gain * unit, header.offset * header.gain * unit],
+        scale: [header.scale * header.gain, header.offset * header.gain],
         rows: Rows::BottomFirst,
         ..Block::plain(data, header.number, Order::Little)
     };
-    let decode = block.decode(size)?;
     let side = |i: usize| spacing(header.sides[i], size[i]);
-    let channel = Channel {
-        name: header.name,
-        unit: header.unit,
-        size,
-        spacing: [side(0), side(1)],
-        quantity: if metres.is_some() { Quantity::Height } else { Quantity::Other },
-        prepared: PreparationRecord::default(),
-        decode,
-    };
+    let channel = Channel::stored(header.name, &header.unit, size, [side(0), side(1)], block)?;
     Ok(Scan::single("Park TIFF", channel))
 }
 
@@ -106,9 +91,6 @@ impl ParkHeader {
         let scale = cursor.f64()?;
         let offset = cursor.f64()?;
         let unit = cursor.wide_text(8)?;
-        if !(gain.is_finite() && scale.is_finite() && offset.is_finite()) {
-            return Err(damaged("its scale of heights is no number"));
-        }
         let number = if version >= TYPED && header.len() >= TYPE_PLACE + 4 {
             match Cursor::new(header, Order::Little).at(TYPE_PLACE).u32()? {
                 0 => Number::I16,

@@ -94,12 +94,10 @@ fn points(table: &TextTable) -> Option<Scan<'static>> {
 fn gwyddion(head: &[String]) -> Option<GwyddionHead> {
     let entries: Vec<&str> =
         head.iter().filter_map(|line| Some(line.strip_prefix('#')?.split_once(':')?.1.trim())).collect();
-    let length = |text: &str| {
-        let (number, unit) = units::number_with_unit(text)?;
-        Some(number * units::length(unit)?)
-    };
     let found = entries.windows(4).find_map(|lines| match lines {
-        [name, width, height, unit] => Some(((*name).to_owned(), length(width)?, length(height)?, unit)),
+        [name, width, height, unit] => {
+            Some(((*name).to_owned(), units::measured_length(width)?, units::measured_length(height)?, unit))
+        }
         _ => None,
     });
     let (name, width, height, unit) = found?;

@@ -85,7 +85,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let (samples, size) = oriented(samples, size, orientation);
     let metres = units::length(&unit);
     let (quantity, factor) = match metres {
-        _ if largest.is_finite() => (Quantity::Code { largest }, 1.0),
+        _ if largest.is_finite() => (Quantity::Code { largest }, 1.0 / largest),
         Some(metres) => (Quantity::Height, metres),
         None => (Quantity::Other, 1.0),
     };
@@ -126,7 +126,7 @@ fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
 }
 
 /// Converts the decoder's message into an error of this program.
-fn explain(cause: TiffError) -> Error {
+pub fn explain(cause: TiffError) -> Error {
     let error = match &cause {
         TiffError::UnsupportedError(_) => {
             Error::input(format!("cannot be used: {cause}"), "export it as grey TIFF without compression")
@@ -143,8 +143,11 @@ fn explain(cause: TiffError) -> Error {
     error.caused_by(cause)
 }
 
-/// Decodes all samples, integers as shares of their largest code. Returns that code as well; infinity for floating-point numbers.
-fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> Result<(Vec<f64>, f64)> {
+/// Decodes all samples. Returns the largest number of their type as well; infinity for floating-point numbers.
+///
+/// # Errors
+/// A picture that is damaged, or of more or fewer numbers than `size` says; no room.
+pub fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> Result<(Vec<f64>, f64)> {
     /// Bytes of the widest sample.
     const WIDEST: usize = 8;
     let [columns, rows] = size;
@@ -155,23 +158,19 @@ fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> 
     limits.intermediate_buffer_size = count * WIDEST + length;
     limits.ifd_value_size = length;
     let samples = decoder.with_limits(limits).read_image().map_err(explain)?;
-    let all = |samples: Vec<f64>, largest: f64| {
-        let scaled = |x: f64| if largest.is_finite() { x / largest } else { x };
-        (samples.into_iter().map(scaled).collect::<Vec<f64>>(), largest)
-    };
     let float = f64::INFINITY;
     let (samples, largest) = match samples {
-        DecodingResult::U8(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u8::MAX)),
-        DecodingResult::U16(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u16::MAX)),
-        DecodingResult::U32(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u32::MAX)),
-        DecodingResult::U64(s) => all(s.into_iter().map(|x| x as f64).collect(), u64::MAX as f64),
-        DecodingResult::I8(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i8::MAX)),
-        DecodingResult::I16(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i16::MAX)),
-        DecodingResult::I32(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i32::MAX)),
-        DecodingResult::I64(s) => all(s.into_iter().map(|x| x as f64).collect(), i64::MAX as f64),
-        DecodingResult::F16(s) => all(s.into_iter().map(f64::from).collect(), float),
-        DecodingResult::F32(s) => all(s.into_iter().map(f64::from).collect(), float),
-        DecodingResult::F64(s) => all(s, float),
+        DecodingResult::U8(s) => (s.into_iter().map(f64::from).collect(), f64::from(u8::MAX)),
+        DecodingResult::U16(s) => (s.into_iter().map(f64::from).collect(), f64::from(u16::MAX)),
+        DecodingResult::U32(s) => (s.into_iter().map(f64::from).collect(), f64::from(u32::MAX)),
+        DecodingResult::U64(s) => (s.into_iter().map(|x| x as f64).collect(), u64::MAX as f64),
+        DecodingResult::I8(s) => (s.into_iter().map(f64::from).collect(), f64::from(i8::MAX)),
+        DecodingResult::I16(s) => (s.into_iter().map(f64::from).collect(), f64::from(i16::MAX)),
+        DecodingResult::I32(s) => (s.into_iter().map(f64::from).collect(), f64::from(i32::MAX)),
+        DecodingResult::I64(s) => (s.into_iter().map(|x| x as f64).collect(), i64::MAX as f64),
+        DecodingResult::F16(s) => (s.into_iter().map(f64::from).collect(), float),
+        DecodingResult::F32(s) => (s.into_iter().map(f64::from).collect(), float),
+        DecodingResult::F64(s) => (s, float),
     };
     if samples.len() != count {
         return Err(damaged(format!("it holds {} samples instead of {count}", samples.len())));

@@ -1,0 +1,82 @@
+//! Images of WSxM (.stp, .top, .tom): a text header of a length that it tells, then numbers from the lower right corner on.
+//!
+//! Floats are in the unit of `Z Amplitude`; 16-bit integers span that amplitude between `Minimum` and `Maximum`. Facts after Gwyddion's
+//! description and SurfaceTopography.
+
+use super::bytes::{Number, Order, cut_short, damaged, decode_text};
+use super::format::Format;
+use super::header::{TextHeader, find};
+use super::scan::{Block, Channel, Rows, Scan, size, spacing};
+use super::units;
+use crate::error::{Error, Result};
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "wsxm",
+    title: "WSxM",
+    extensions: &["stp", "top", "tom"],
+    signature: |b| b.starts_with(b"WSxM file copyright"),
+    is_by_name: false,
+    read,
+    facts: ["yes", "yes", "NaN", "16-bit integers, floats and doubles; curves are refused"],
+};
+
+/// Section of most values.
+const GENERAL: &str = "General Info";
+/// Largest length of a header; real ones have a few kilobytes \[bytes\].
+const LONGEST_HEADER: usize = 1 << 20;
+
+/// Reads the file in `bytes`.
+///
+/// # Errors
+/// A file of curves; a header without sizes; fewer samples than the header promises.
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    let end = find(&bytes[..bytes.len().min(LONGEST_HEADER)], b"[Header end]").ok_or_else(cut_short)?;
+    let text = decode_text(&bytes[..end]);
+    if text.lines().nth(1).is_none_or(|line| line.trim() != "SxM Image file") {
+        return Err(Error::input("holds curves and no image", "choose a .stp or .top file"));
+    }
+    let header = TextHeader::parse(&text, ':');
+    let size = size(header.count(GENERAL, "Number of columns")?, header.count(GENERAL, "Number of rows")?)?;
+    let (amplitude, unit) = header
+        .text(GENERAL, "Z Amplitude")
+        .and_then(units::number_with_unit)
+        .ok_or_else(|| damaged("its Z Amplitude is missing"))?;
+    let (number, factor) = match header.text(GENERAL, "Image Data Type").unwrap_or("short") {
+        "short" | "integer" | "int" => {
+            let range =
+                header.required("Miscellaneous", "Maximum")? - header.required("Miscellaneous", "Minimum")?;
+            // Equal heights have no range.
+            (Number::I16, if range > 0.0 { amplitude / range } else { 1.0 })
+        }
+        "float" => (Number::F32, 1.0),
+        "double" => (Number::F64, 1.0),
+        other => return Err(damaged(format!("its samples have the unknown type `{other}`"))),
+    };
+    let start = data(bytes, end, header.number("", "Image header size"))?;
+    let block = Block {
+        scale: [factor, 0.0],
+        rows: Rows::BottomFirst,
+        mirrored: true,
+        ..Block::plain(bytes.get(start..).ok_or_else(cut_short)?, number, Order::Little)
+    };
+    let side = |key: &str| header.text("Control", key).and_then(units::measured_length);
+    let x = side("X Amplitude");
+    // A square scan may have one amplitude.
+    let sides = [x, side("Y Amplitude").or(x)];
+    let spacing = [0, 1].map(|i| spacing(sides[i]?, size[i]));
+    let name = header.text(GENERAL, "Acquisition channel").unwrap_or("Topography");
+    Ok(Scan::single(FORMAT.title, Channel::stored(name, unit, size, spacing, block)?))
+}
+
+/// Returns the offset of the samples: the length of the header that it tells, or else that of the line behind its mark at `end`.
+fn data(bytes: &[u8], end: usize, length: Option<f64>) -> Result<usize> {
+    match length.map(|length| length as usize) {
+        Some(length) if length > end && length <= bytes.len() => Ok(length),
+        _ => Ok(end + find(&bytes[end..], b"\n").ok_or_else(cut_short)? + 1),
+    }
+}
+
+#[cfg(test)]
+#[path = "wsxm_tests.rs"]
+mod tests;
