@@ -43,12 +43,12 @@ fn is_wide(bytes: &[u8]) -> bool {
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let width = if is_wide(bytes) { 2 } else { 1 };
     let parse = |characters: usize| {
-        let bytes = bytes.get(..characters.saturating_mul(width)).ok_or_else(cut_short)?;
+        let bytes = &bytes[..characters.saturating_mul(width).min(bytes.len())];
         let text = if width == 2 { wide_text(bytes, Order::Little) } else { decode_text(bytes) };
-        Ok(TextHeader::parse(&text, '='))
+        TextHeader::parse(&text, '=')
     };
-    let length = parse(HEADER)?.number("", "headersize").map_or(HEADER, |length| length as usize);
-    let header = parse(length)?;
+    let length = parse(HEADER).number("", "headersize").map_or(HEADER, |length| length as usize);
+    let header = parse(length);
     let is_integer = header.text("", "fileformat").is_some_and(|format| format.starts_with("bcrstm"));
     let size = size(header.count("", "xpixels")?, header.count("", "ypixels")?)?;
     let metres = |key: &str| units::length(header.text("", key).unwrap_or("nm"));

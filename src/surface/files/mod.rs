@@ -38,6 +38,7 @@ pub mod tiff;
 pub mod tiff_tags;
 pub mod topography;
 pub mod units;
+mod unread;
 pub mod write;
 pub mod wsxm;
 pub mod wyko;
@@ -182,17 +183,21 @@ fn load(path: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// No known format; errors of the format's reader.
 pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
+    if let Some(refusal) = unread::by_content(bytes, extension) {
+        return Err(refusal);
+    }
     let by_name = |format: &&Format| format.is_by_name && format.has_extension(extension);
     let by_content = FORMATS.iter().find(|format| (format.signature)(bytes));
-    let format = match by_content.or_else(|| FORMATS.iter().find(by_name)) {
-        Some(format) => format,
+    // The name of what is neither read nor text.
+    let named = |e: Error| unread::by_name(extension).unwrap_or(e);
+    let mut scan = match by_content.or_else(|| FORMATS.iter().find(by_name)) {
+        Some(format) => (format.read)(bytes)?,
         // Text has no magic bytes, and no NUL.
         None if bytes.contains(&0) => {
-            return Err(Error::input("is of no known format", format!("give {}", known())));
+            return Err(named(Error::input("is of no known format", format!("give {}", known()))));
         }
-        None => &text::FORMAT,
+        None => text::read(bytes).map_err(named)?,
     };
-    let mut scan = (format.read)(bytes)?;
     scan.number_equal_names();
     Ok(scan)
 }

@@ -1,5 +1,6 @@
 //! Helpers of the tests of all readers.
 
+use super::bytes::{Number, Order};
 use super::format::Format;
 use super::scan::{Quantity, Scan};
 use crate::error::Result;
@@ -11,6 +12,49 @@ use std::path::Path;
 pub const TOP: [f64; 3] = [1.0, 2.0, 3.0];
 /// The second row.
 pub const BOTTOM: [f64; 3] = [4.0, 5.0, 6.0];
+
+/// Returns both rows with the lower one first, as many instruments store them.
+pub fn upwards() -> Vec<f64> {
+    [BOTTOM, TOP].concat()
+}
+
+/// Returns both rows with the upper one first.
+pub fn downwards() -> Vec<f64> {
+    [TOP, BOTTOM].concat()
+}
+
+/// Returns the bytes of `values` as stored numbers.
+pub fn encoded(number: Number, order: Order, values: &[f64]) -> Vec<u8> {
+    let bytes = |x: &f64| {
+        let mut bytes = match number {
+            Number::F32 => (*x as f32).to_le_bytes().to_vec(),
+            Number::F64 => x.to_le_bytes().to_vec(),
+            _ => (*x as i64).to_le_bytes()[..number.bytes()].to_vec(),
+        };
+        if order == Order::Big {
+            bytes.reverse();
+        }
+        bytes
+    };
+    values.iter().flat_map(bytes).collect()
+}
+
+/// Returns samples and distances of the single channel of `scan`, after asserting that it is a height of three by two samples.
+#[track_caller]
+pub fn heights(scan: Result<Scan>) -> (Vec<f64>, [f64; 2]) {
+    let (_, quantity, size, spacing, samples) = only(scan);
+    assert_eq!((quantity, size), (Quantity::Height, [3, 2]));
+    (samples, spacing.map(Option::unwrap))
+}
+
+/// Asserts that lengths are equal to nine digits.
+#[track_caller]
+pub fn assert_close(found: [f64; 2], expected: [f64; 2]) {
+    assert!(
+        found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-9),
+        "{found:?} is not {expected:?}"
+    );
+}
 
 /// Returns unit, quantity, size, distances and samples of the single channel of `scan`.
 #[track_caller]

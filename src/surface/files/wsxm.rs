@@ -1,4 +1,4 @@
-//! Images of WSxM (.stp, .top, .tom): a text header of a length that it tells, then numbers from the lower right corner on.
+//! Images of WSxM (.stp, .top, .tom): a text header, then numbers from the lower right corner on.
 //!
 //! Floats are in the unit of `Z Amplitude`; 16-bit integers span that amplitude between `Minimum` and `Maximum`. Facts after Gwyddion's
 //! description and SurfaceTopography.
@@ -53,7 +53,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         "double" => (Number::F64, 1.0),
         other => return Err(damaged(format!("its samples have the unknown type `{other}`"))),
     };
-    let start = data(bytes, end, header.number("", "Image header size"))?;
+    let start = end + find(&bytes[end..], b"\n").ok_or_else(cut_short)? + 1;
     let block = Block {
         scale: [factor, 0.0],
         rows: Rows::BottomFirst,
@@ -67,14 +67,6 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let spacing = [0, 1].map(|i| spacing(sides[i]?, size[i]));
     let name = header.text(GENERAL, "Acquisition channel").unwrap_or("Topography");
     Ok(Scan::single(FORMAT.title, Channel::stored(name, unit, size, spacing, block)?))
-}
-
-/// Returns the offset of the samples: the length of the header that it tells, or else that of the line behind its mark at `end`.
-fn data(bytes: &[u8], end: usize, length: Option<f64>) -> Result<usize> {
-    match length.map(|length| length as usize) {
-        Some(length) if length > end && length <= bytes.len() => Ok(length),
-        _ => Ok(end + find(&bytes[end..], b"\n").ok_or_else(cut_short)? + 1),
-    }
 }
 
 #[cfg(test)]

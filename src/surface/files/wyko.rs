@@ -105,7 +105,7 @@ impl<'a> WykoBlock<'a> {
         let (number, invalid) = match cursor.u16()? {
             1 => (Number::U8, f64::INFINITY),
             2 => (Number::I16, 32_766.0),
-            4 => (Number::F32, 1e38),
+            4 => (Number::F32, f64::from(1e38_f32)),
             width => return Err(damaged(format!("its samples have {width} bytes"))),
         };
         let size = size(u64::from(columns), u64::from(rows))?;

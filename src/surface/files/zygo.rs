@@ -36,7 +36,9 @@ const CODES: [f64; 3] = [4096.0, 32_768.0, 131_072.0];
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let from = |place: usize| Cursor::new(bytes, Order::Big).at(place);
     let header = from(6).u32()? as usize;
-    let intensities = from(60).u32()? as usize;
+    let mut pictures = from(52);
+    let pictures = [pictures.u16()?, pictures.u16()?, pictures.u16()?]; // columns, rows and their number
+    let intensities = pictures.iter().fold(2, |bytes: usize, n| bytes.saturating_mul(usize::from(*n)));
     let [columns, rows] = [from(68).u16()?, from(70).u16()?];
     let [interferometric, wavelength] = [from(164).f32()?, from(168).f32()?];
     let obliquity = from(176).f32()?;
