@@ -34,6 +34,7 @@ pub mod table;
 #[cfg(test)]
 mod testing;
 pub mod text;
+mod text_head;
 pub mod tiff;
 pub mod tiff_tags;
 pub mod topography;
@@ -45,6 +46,7 @@ pub mod wyko;
 pub mod x3p;
 pub mod xyz;
 pub mod zygo;
+pub mod zygo_xyz;
 
 use super::HeightField;
 use crate::error::{self, Error, Remedy, Result};
@@ -123,6 +125,7 @@ pub const FORMATS: &[Format] = &[
     image::FORMAT,
     npy::FORMAT,
     text::FORMAT,
+    zygo_xyz::FORMAT,
     xyz::FORMAT,
 ];
 
@@ -192,8 +195,8 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
     let named = |e: Error| unread::by_name(extension).unwrap_or(e);
     let mut scan = match by_content.or_else(|| FORMATS.iter().find(by_name)) {
         Some(format) => (format.read)(bytes)?,
-        // Text has no magic bytes, and no NUL.
-        None if bytes.contains(&0) => {
+        // Text has no magic bytes, and no NUL but in UTF-16.
+        None if bytes.contains(&0) && table::wide_order(bytes).is_none() => {
             return Err(named(Error::input("is of no known format", format!("give {}", known()))));
         }
         None => text::read(bytes).map_err(named)?,
@@ -214,7 +217,7 @@ fn assemble(
     let chosen = choose::choose(&scan, settings.channel)?;
     let info = |c: &scan::Channel| ChannelInfo { name: c.name.clone(), unit: c.unit.clone(), size: c.size };
     let channels: Vec<ChannelInfo> = scan.channels.iter().map(info).collect();
-    let notes = std::mem::take(&mut scan.notes);
+    let mut notes = std::mem::take(&mut scan.notes);
     let channel = scan.channels.swap_remove(chosen);
     let lacks_scale = channel.quantity != Quantity::Height && settings.height.is_none();
     let lacks_distance = channel.spacing.contains(&None) && settings.pixel_size.is_none();
@@ -249,6 +252,9 @@ fn assemble(
     let coded = matches!(quantity, Quantity::Code { .. });
     let code_height = if coded { height.ok_or_else(needed)? } else { 0.0 };
     let samples = channel.samples()?;
+    if let Quantity::Code { largest } = quantity {
+        notes.extend(plausible::narrow_codes(&samples, largest));
+    }
     let unit = match (quantity, height) {
         (Quantity::Code { .. }, _) => code_height,
         (_, Some(height)) => range_becomes(height, &samples),

@@ -74,14 +74,26 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     const UNSIGNED: u16 = 1;
     let unsigned = formats.first().is_none_or(|f| *f == UNSIGNED);
     if !grey || unsigned && bits.first().is_none_or(|b| *b <= 16) {
+        let marks = CodeMarks::read(&mut decoder);
         let mut scan = image::read(bytes)?;
-        scan.channels.iter_mut().for_each(|c| c.spacing = distances);
+        for mut channel in std::mem::take(&mut scan.channels) {
+            channel.spacing = distances;
+            if let Quantity::Code { largest } = channel.quantity {
+                let bound = marks.bound(largest);
+                scan.notes.extend(bound.map(|bound| bounded(bound, largest)));
+                channel.quantity = Quantity::Code { largest: bound.unwrap_or(largest) };
+                channel = channel.changed(move |shares| marks.applied(shares, largest, bound));
+            }
+            scan.channels.push(channel);
+        }
         scan.notes.extend(more.then(|| PAGES.to_owned()));
         return Ok(scan);
     }
     let unit = value_unit(&mut decoder);
     let prepared = notes::preparation(&description(&mut decoder));
-    let (samples, largest) = numbers(decoder, size, bytes.len())?;
+    let marks = CodeMarks::read(&mut decoder);
+    let (mut samples, largest) = numbers(decoder, size, bytes.len())?;
+    samples.iter_mut().filter(|x| Some(**x) == marks.missing).for_each(|x| *x = f64::NAN);
     let (samples, size) = oriented(samples, size, orientation);
     let metres = units::length(&unit);
     let (quantity, factor) = match metres {
@@ -103,6 +115,59 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     );
     scan.notes.extend(more.then(|| PAGES.to_owned()));
     Ok(scan)
+}
+
+/// Codes with a meaning by the tags of a file.
+#[derive(Clone, Copy, Debug)]
+struct CodeMarks {
+    /// Number of a sample that was not measured (GDAL's tag).
+    missing: Option<f64>,
+    /// Largest code of a camera of fewer bits than the samples have.
+    largest: Option<f64>,
+}
+
+impl CodeMarks {
+    fn read(decoder: &mut Decoder<Cursor<&[u8]>>) -> Self {
+        /// Tag of the largest number of samples of any type; that of unsigned ones is `MaxSampleValue`.
+        const LARGEST: Tag = Tag::SMaxSampleValue;
+        let missing = decoder.get_tag_ascii_string(Tag::GdalNodata).ok(); // most files have none
+        let largest = [Tag::MaxSampleValue, LARGEST].into_iter().find_map(|tag| {
+            decoder.find_tag_unsigned::<u32>(tag).ok().flatten() // most files have none
+        });
+        Self {
+            missing: missing.and_then(|text| text.trim_matches(['\0', ' ']).parse().ok()),
+            // Other numbers are the highest code of this picture.
+            largest: largest.filter(|n| n.checked_add(1).is_some_and(u32::is_power_of_two)).map(f64::from),
+        }
+    }
+
+    /// Returns the largest code, if it is below the `largest` of the type of samples.
+    fn bound(&self, largest: f64) -> Option<f64> {
+        self.largest.filter(|bound| *bound > 0.0 && *bound < largest)
+    }
+
+    /// Returns `shares` of the `largest` number of the type as shares of `bound`, NaN for samples that were not measured.
+    fn applied(&self, shares: Vec<f64>, largest: f64, bound: Option<f64>) -> Vec<f64> {
+        let factor = bound.map_or(1.0, |bound| largest / bound);
+        let is_missing = |share: f64| self.missing == Some((share * largest).round());
+        shares.into_iter().map(|x| if is_missing(x) { f64::NAN } else { x * factor }).collect()
+    }
+}
+
+/// Returns the note for codes that end below the `largest` of their type.
+fn bounded(bound: f64, largest: f64) -> String {
+    format!("the largest code is {bound} by the file's tag, not {largest}")
+}
+
+/// Returns the distance of samples along `axis` \[m\] in a description in OME-XML; micrometres are the default unit.
+fn ome(text: &str, axis: char) -> Option<f64> {
+    let tag = text.split_once("Pixels ")?.1.split_once('>')?.0.replace('\'', "\"");
+    let tag = format!(" {tag}");
+    let attribute =
+        |name: String| Some(tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.to_owned());
+    let unit = attribute(format!("PhysicalSize{axis}Unit")).unwrap_or_else(|| "um".to_owned());
+    let unit = unit.replace("&#181;", "\u{b5}").replace("&#xB5;", "\u{b5}");
+    spacing(attribute(format!("PhysicalSize{axis}"))?.parse::<f64>().ok()? * units::length(&unit)?, 1)
 }
 
 /// Note for a file of several pages.
@@ -218,6 +283,11 @@ fn distances(decoder: &mut Decoder<Cursor<&[u8]>>) -> [Option<f64>; 2] {
     let first = text.lines().next().unwrap_or_default();
     if let Some((x, y)) = first.strip_prefix(OWN).and_then(|rest| rest.trim().split_once(" x ")) {
         return [x, y].map(|d| spacing(d.parse().ok()?, 1));
+    }
+    if text.contains("OME")
+        && let [Some(x), Some(y)] = ['X', 'Y'].map(|axis| ome(&text, axis))
+    {
+        return [Some(x), Some(y)];
     }
     let resolution_unit = decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit).ok().flatten();
     // ImageJ writes pixels per ImageJ unit; `yunit` is present only if it differs.

@@ -1,6 +1,6 @@
 //! Points of a regular grid as text (.xyz): x, y and height in metres, a point a line, in any order. y grows upwards.
 
-use super::bytes::{damaged, decode_text};
+use super::bytes::damaged;
 use super::format::{Format, no_signature};
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, TextTable};
@@ -36,7 +36,7 @@ pub const FORMAT: Format = Format {
 /// # Errors
 /// Those of [`table::parse`]; other than three numbers a line; points that are no regular grid.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    grid(&table::parse(&decode_text(bytes))?)
+    grid(&table::parse(&table::decoded(bytes))?)
 }
 
 /// Returns the grid of the points in `table`.
