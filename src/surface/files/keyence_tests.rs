@@ -15,6 +15,10 @@ fn file(magic: &[u8; 4], number: Number, images: usize) -> Vec<u8> {
     put(&mut bytes, CONDITIONS, conditions);
     bytes.resize(conditions + 312, 0);
     put(&mut bytes, conditions, 312);
+    // Title and name of the lens, both without letters.
+    let texts = bytes.len();
+    put(&mut bytes, 76, texts);
+    bytes.resize(texts + 8, 0);
     for (i, n) in [1_000_000, 2_000_000, 100].into_iter().enumerate() {
         put(&mut bytes, conditions + SCALES + 4 * i, n);
     }

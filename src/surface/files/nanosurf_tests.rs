@@ -58,7 +58,7 @@ fn damaged_files_are_refused_and_those_of_spectra_alone_are_told() {
         whole(read(&bytes[..bytes.len() - 12])).is_ok(),
         "the first scan is whole, the second is left out"
     );
-    assert!(read(&bytes[..bytes.len() - 13]).is_err());
+    assert!(read(&bytes[..bytes.len() - 13]).is_err(), "neither scan is whole");
     let curves = String::from_utf8_lossy(&bytes).replace("Gr2-Count=21", "Gr2-Count=0");
     assert!(read(curves.as_bytes()).err().unwrap().to_string().contains("no image"));
     let bits = String::from_utf8_lossy(&bytes).replace("SaveBits=16", "SaveBits=12");

@@ -35,11 +35,9 @@ fn file(big_endian: bool, big: bool, entries: &[(u16, u16, u32)], data: &[u8]) -
     for (tag, kind, value) in all {
         put(&mut bytes, &tag.to_le_bytes());
         put(&mut bytes, &kind.to_le_bytes());
-        if big {
-            put(&mut bytes, &1_u64.to_le_bytes());
-        } else {
-            put(&mut bytes, &1_u32.to_le_bytes());
-        }
+        // A text fills the field of its entry.
+        let count: u64 = if kind == 2 { 4 } else { 1 };
+        put(&mut bytes, &count.to_le_bytes()[..if big { 8 } else { 4 }]);
         let before = bytes.len();
         match kind {
             3 => put(&mut bytes, &(value as u16).to_le_bytes()),

@@ -1,6 +1,6 @@
 //! Images of WSxM (.stp, .top, .tom): a text header, then numbers from the lower right corner on.
 //!
-//! Floats are in the unit of `Z Amplitude`; 16-bit integers span that amplitude between `Minimum` and `Maximum`. Facts after Gwyddion's
+//! Floats are in the unit of `Z Amplitude`; 16-bit integers span that amplitude between the lowest and the highest. Facts after Gwyddion's
 //! description and SurfaceTopography.
 
 use super::bytes::{Number, Order, cut_short, damaged, decode_text};
@@ -42,20 +42,14 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         .text(GENERAL, "Z Amplitude")
         .and_then(units::number_with_unit)
         .ok_or_else(|| damaged("its Z Amplitude is missing"))?;
-    let (number, factor) = match header.text(GENERAL, "Image Data Type").unwrap_or("short") {
-        "short" | "integer" | "int" => {
-            let range =
-                header.required("Miscellaneous", "Maximum")? - header.required("Miscellaneous", "Minimum")?;
-            // Equal heights have no range.
-            (Number::I16, if range > 0.0 { amplitude / range } else { 1.0 })
-        }
-        "float" => (Number::F32, 1.0),
-        "double" => (Number::F64, 1.0),
+    let number = match header.text(GENERAL, "Image Data Type").unwrap_or("short") {
+        "short" | "integer" | "int" => Number::I16,
+        "float" => Number::F32,
+        "double" => Number::F64,
         other => return Err(damaged(format!("its samples have the unknown type `{other}`"))),
     };
     let start = end + find(&bytes[end..], b"\n").ok_or_else(cut_short)? + 1;
     let block = Block {
-        scale: [factor, 0.0],
         rows: Rows::BottomFirst,
         mirrored: true,
         ..Block::plain(bytes.get(start..).ok_or_else(cut_short)?, number, Order::Little)
@@ -66,7 +60,22 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let sides = [x, side("Y Amplitude").or(x)];
     let spacing = [0, 1].map(|i| spacing(sides[i]?, size[i]));
     let name = header.text(GENERAL, "Acquisition channel").unwrap_or("Topography");
-    Ok(Scan::single(FORMAT.title, Channel::stored(name, unit, size, spacing, block)?))
+    let mut channel = Channel::stored(name, unit, size, spacing, block)?;
+    if number == Number::I16 {
+        let amplitude = amplitude * units::length(unit).unwrap_or(1.0);
+        channel = channel.changed(move |samples| spanning(samples, amplitude));
+    }
+    Ok(Scan::single(FORMAT.title, channel))
+}
+
+/// Returns `samples` times the factor by which they span `amplitude`; equal ones as they are.
+fn spanning(mut samples: Vec<f64>, amplitude: f64) -> Vec<f64> {
+    let low = samples.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if high > low {
+        samples.iter_mut().for_each(|x| *x *= amplitude / (high - low));
+    }
+    samples
 }
 
 #[cfg(test)]
