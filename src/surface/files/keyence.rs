@@ -53,7 +53,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     for (i, offset) in HEIGHTS.into_iter().enumerate() {
         let place = from(offset).u32()? as usize;
         if place > 0 {
-            let name = if i == 0 { "Height".to_owned() } else { format!("Height {}", i + 1) };
+            let name = format!("Height {i}");
             let channel = heights(&content, place, &name, [spacing(x, 1), spacing(y, 1)], unit);
             found.push((name, channel));
         }

@@ -55,7 +55,7 @@ fn heights_of_all_widths_have_their_picometres() {
     }
     let two = file(b"VK4_", Number::U16, 2);
     let names: Vec<String> = read(&two).unwrap().channels.into_iter().map(|c| c.name).collect();
-    assert_eq!(names, ["Height", "Height 2"]);
+    assert_eq!(names, ["Height 0", "Height 1"]);
 }
 
 #[test]

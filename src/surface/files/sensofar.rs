@@ -74,8 +74,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         let count = size[0] * size[1];
         let data = cursor.take(count * Number::F32.bytes())?;
         let block = Block { missing: Some(INVALID), ..Block::plain(data, Number::F32, Order::Little) };
-        let name = if i == 1 { "Topography".to_owned() } else { format!("Topography {i}") };
-        found.push((name.clone(), Channel::stored(name, "um", size, spacing, block)));
+        found.push(("Topography".to_owned(), Channel::stored("Topography", "um", size, spacing, block)));
         // Pictures in three colours follow, except behind the last layer of some files.
         if i < layers {
             cursor.take(RANGE + 3 * count * pictures)?;

@@ -32,9 +32,9 @@ fn layers_are_micrometres_and_are_known_without_magic_bytes() {
     let mut other = rows.clone();
     other[2] = INVALID;
     let bytes = file(TOPOGRAPHY, &[&rows, &other]);
-    let mut scan = read(&bytes).unwrap();
+    let mut scan = super::super::recognise(&bytes, "plu").unwrap();
     let second = scan.channels.pop().unwrap();
-    assert_eq!((scan.channels.len(), second.name.as_str()), (1, "Topography 2"));
+    assert_eq!((scan.channels.len(), second.name.as_str()), (1, "Topography (2)"));
     let samples = second.samples().unwrap();
     assert!(samples[2].is_nan() && (samples[5] - 6e-6).abs() < 1e-18);
     assert_seed(&FORMAT, "two.plu", &bytes);

@@ -55,11 +55,14 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let pixel = number("Pixel_size").map(|mm| mm * 1e-3);
     let spacing = [pixel.and_then(|d| spacing(d, 1)), pixel.and_then(|d| spacing(d * aspect, 1))];
     let is_height = |block: &&WykoBlock| block.kind == ARRAY && HEIGHTS.contains(&block.name.as_str());
-    let found = blocks.iter().filter(is_height);
-    Scan::of_readable(
-        FORMAT.title,
-        found.map(|block| (block.name.clone(), block.heights(wavelength / mult, spacing))).collect(),
-    )
+    // The user's title, if there is one, names the heights.
+    let title = blocks.iter().find(|block| block.name == "Title").map(|block| text(block.bytes));
+    let title = title.filter(|title| !title.is_empty());
+    let channels = blocks.iter().filter(is_height).map(|block| {
+        let name = title.as_ref().unwrap_or(&block.name);
+        (name.clone(), block.heights(name, wavelength / mult, spacing))
+    });
+    Scan::of_readable(FORMAT.title, channels.collect())
 }
 
 /// Returns all blocks but the directory.
@@ -98,7 +101,7 @@ impl WykoBlock<'_> {
 
 impl<'a> WykoBlock<'a> {
     /// Returns the array as heights, of `unit` \[nm\].
-    fn heights(&self, unit: f64, spacing: [Option<f64>; 2]) -> Result<Channel<'a>> {
+    fn heights(&self, name: &str, unit: f64, spacing: [Option<f64>; 2]) -> Result<Channel<'a>> {
         let mut cursor = Cursor::new(self.bytes, Order::Little);
         let [columns, rows] = [cursor.u16()?, cursor.u16()?];
         // Above the thresholds nothing was measured.
@@ -114,7 +117,7 @@ impl<'a> WykoBlock<'a> {
             missing_from: Some(invalid),
             ..Block::plain(cursor.take(cursor.left())?, number, Order::Little)
         };
-        let turned = Channel::stored(self.name.as_str(), "nm", [size[1], size[0]], spacing, block)?;
+        let turned = Channel::stored(name, "nm", [size[1], size[0]], spacing, block)?;
         Ok(Channel { size, ..turned }.changed(move |columns| {
             let mut samples = transposed(size[1], &columns);
             flip(&mut samples, size[0]);

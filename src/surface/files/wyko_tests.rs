@@ -58,6 +58,7 @@ fn invalid_samples_are_gaps_and_a_missing_scale_is_told() {
         assert!(samples[3].is_nan() && samples[0] == 2e-9);
     }
     let mut bare = blocks(Number::I16, &COLUMNS);
+    assert_eq!(read(&file(&bare)).unwrap().channels[0].name, "A sample");
     let bytes = file(&bare);
     assert_seed(&FORMAT, "short.opd", &bytes);
     assert_robust(&bytes, |b| whole(read(b)));
