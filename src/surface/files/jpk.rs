@@ -80,7 +80,7 @@ fn channel<'a>(
 ) -> Result<Channel<'a>> {
     let [columns, rows] = COUNTS.map(|tag| page.number(tag).unwrap_or(0.0) as u64);
     let size = size(columns, rows)?;
-    let slot = Slot::of_page(page)?;
+    let slot = JpkSlot::of_page(page)?;
     let is_reflected = page.number(REFLECTED).is_some_and(|x| x != 0.0);
     let metres = units::length(&slot.unit);
     let decode = move || {
@@ -106,13 +106,13 @@ fn channel<'a>(
 }
 
 /// Conversion of stored numbers.
-struct Slot {
+struct JpkSlot {
     factor: f64,
     offset: f64,
     unit: String,
 }
 
-impl Slot {
+impl JpkSlot {
     /// Returns the default slot of a channel.
     fn of_page(page: &TiffDirectory) -> Result<Self> {
         let count = page.number(SLOTS).map_or(0, |count| count as u16).min(MOST_SLOTS);

@@ -16,7 +16,7 @@ const NO_DATA: f64 = -9999.0;
 /// Names of the unit of heights.
 const UNITS: [&str; 5] = ["Unit of Z", "Unit Data", "z-unit", "Z unit", "Unit"];
 
-/// What the lines in front of a matrix say about it.
+/// Scales and sizes that the lines in front of a matrix give.
 #[derive(Clone, Debug)]
 pub struct TextHead {
     /// The format, for people.
