@@ -1,6 +1,7 @@
 //! Formats that are recognised and not read: their names, and what to do with such a file.
 
 use super::bytes::{Order, wide_text};
+use super::format::no_signature;
 use super::tiff_tags::TiffDirectory;
 use crate::error::Error;
 use std::io::Cursor;
@@ -53,12 +54,6 @@ const UNREAD: &[UnreadFormat] = &[
         "save the sheet as .csv",
     ),
     row("an Olympus LEXT scan", &["lext"], is_lext, GWYDDION),
-    row(
-        "a Zeiss laser scan (.lsm)",
-        &["lsm"],
-        |b| TiffDirectory::all(b).first().is_some_and(|page| page.value(LSM).is_some()),
-        GWYDDION,
-    ),
     row("an NT-MDT scan", &["mdt"], |b| b.starts_with(b"\x01\xb0\x93\xff"), GWYDDION),
     row(
         "an RHK scan",
@@ -75,10 +70,10 @@ const UNREAD: &[UnreadFormat] = &[
     ),
     row("a TrueMap scan", &["tmd"], |b| b.starts_with(b"Binary TrueMap Data File"), GWYDDION),
     row("a scan of Bruker's Vision64 or Dektak (.opdx)", &["opdx"], |b| b.starts_with(b"VCA DATA"), GWYDDION),
-    row("an Olympus scan (.oir)", &["oir", "poir"], |b| b.starts_with(b"OLYMPUSRAWFORMAT"), GWYDDION),
+    row("an Olympus scan (.oir)", &["oir"], |b| b.starts_with(b"OLYMPUSRAWFORMAT"), GWYDDION),
     row("an Asylum Research ARDF file", &["ardf"], |b| b.get(8..12) == Some(b"ARDF"), GWYDDION),
     row("a Zeta scan", &["zmg"], |b| b.starts_with(b"Zeta-Instruments"), GWYDDION),
-    row("a WITec file", &["wip", "wit"], |b| b.starts_with(b"WIT_PR") || b.starts_with(b"WIT^"), GWYDDION),
+    row("a WITec file", &["wip", "wit"], |b| b.starts_with(b"WIT_PR"), GWYDDION),
     row("a Renishaw file", &["wdf"], |b| b.starts_with(b"WDF1"), GWYDDION),
     row("an NRRD file", &["nrrd"], |b| b.starts_with(b"NRRD000"), GWYDDION),
     row("an ISO 28600 scan", &[], |b| b.starts_with(b"ISO/TC 201 SPM data transfer format"), GWYDDION),
@@ -116,9 +111,6 @@ const UNREAD: &[UnreadFormat] = &[
     row("an OBJ mesh, not a field of heights", &["obj"], no_signature, MESH),
 ];
 
-/// Tag of Zeiss's laser microscopes.
-const LSM: u16 = 34412;
-
 const fn row(
     what: &'static str,
     extensions: &'static [&'static str],
@@ -144,11 +136,6 @@ pub fn by_name(extension: &str) -> Option<Error> {
 
 fn refusal(format: &UnreadFormat) -> Error {
     Error::input(format!("is {}, which is not read", format.what), format.remedy)
-}
-
-/// Says that no file is recognised by its content.
-fn no_signature(_: &[u8]) -> bool {
-    false
 }
 
 /// Returns true if `bytes` are a zip with a file whose name ends with `name`, and without a description of X3P.
