@@ -3,11 +3,11 @@
 //! The header is Latin-1 or UTF-16. A height is the stored number times `bit2nm` plus `zmin` in the unit of heights, nanometres by default.
 //! Facts after Image Metrology's description of the format and Gwyddion's.
 
-use super::bytes::{Number, Order, cut_short, decode_text, wide_text};
+use super::bytes::{Number, Order, cut_short};
 use super::format::Format;
 use super::header::TextHeader;
 use super::scan::{Block, Channel, Scan, size, spacing};
-use super::units;
+use super::{table, units};
 use crate::error::Result;
 
 /// The format.
@@ -15,14 +15,14 @@ pub const FORMAT: Format = Format {
     name: "bcr",
     title: "BCR-STM, BCRF",
     extensions: &["bcr", "bcrf"],
-    signature: |b| b.starts_with(MAGIC) || is_wide(b),
+    signature: |b| width(b).is_some(),
     is_by_name: false,
     read,
     facts: ["yes", "yes", "the reserved number", "16-bit integers and 32-bit floats, both byte orders"],
 };
 
 /// First characters of a file.
-const MAGIC: &[u8] = b"fileformat = bcr";
+const MAGIC: &str = "fileformat = bcr";
 /// Characters of a header that does not tell its length.
 const HEADER: usize = 2048;
 /// Integer of a sample that was not measured.
@@ -30,10 +30,11 @@ const INVALID: f64 = 32_767.0;
 /// Least float of samples that were not measured; their number has seven digits of the largest one.
 const INVALID_FLOAT: f64 = 1.7e38;
 
-/// Returns true if `bytes` begin in UTF-16, with a byte order mark or without.
-fn is_wide(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(b"\xff\xfe").unwrap_or(bytes);
-    bytes.len() >= 2 * MAGIC.len() && bytes.chunks(2).zip(MAGIC).all(|(pair, b)| pair == [*b, 0])
+/// Returns the bytes of a character of the header; `None` for a file of another format.
+fn width(bytes: &[u8]) -> Option<usize> {
+    let first = &bytes[..bytes.len().min(2 * MAGIC.len() + 2)];
+    let begins = table::decoded(first).trim_start_matches('\u{feff}').starts_with(MAGIC);
+    begins.then(|| if table::wide_order(first).is_some() { 2 } else { 1 })
 }
 
 /// Reads the file in `bytes`.
@@ -41,11 +42,10 @@ fn is_wide(bytes: &[u8]) -> bool {
 /// # Errors
 /// A header without sizes; fewer samples than the header promises.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    let width = if is_wide(bytes) { 2 } else { 1 };
+    let width = width(bytes).unwrap_or(1);
     let parse = |characters: usize| {
         let bytes = &bytes[..characters.saturating_mul(width).min(bytes.len())];
-        let text = if width == 2 { wide_text(bytes, Order::Little) } else { decode_text(bytes) };
-        TextHeader::parse(&text, '=')
+        TextHeader::parse(table::decoded(bytes).trim_start_matches('\u{feff}'), '=')
     };
     let length = parse(HEADER).number("", "headersize").map_or(HEADER, |length| length as usize);
     let header = parse(length);

@@ -8,8 +8,8 @@ use super::*;
 fn file(lines: &str, length: usize, width: usize, data: &[u8]) -> Vec<u8> {
     let mut text =
         format!("{lines}xpixels = 3\nypixels = 2\nxlength = 3000\nylength = 4\nyunit = um\n%comment = 1\n");
-    text.extend(std::iter::repeat_n(' ', length - text.len()));
-    let text: Vec<u8> = text.bytes().flat_map(|b| if width == 2 { vec![b, 0] } else { vec![b] }).collect();
+    text.extend(std::iter::repeat_n(' ', length - text.chars().count()));
+    let text: Vec<u8> = text.encode_utf16().flat_map(|unit| unit.to_le_bytes()[..width].to_vec()).collect();
     [&text[..], data].concat()
 }
 
@@ -28,6 +28,7 @@ fn integers_and_floats_of_both_orders_are_read() {
         ),
         file("fileformat = bcrstm_unicode\nbit2nm = 2\n", 2048, 2, &shorts(Order::Little)),
         file("fileformat = bcrf\nintelmode = 0\nzmin = 2\nbit2nm = 9\n", 2048, 1, &floats),
+        file("\u{feff}fileformat = bcrstm_unicode\nbit2nm = 2\n", 2048, 2, &shorts(Order::Little)),
     ] {
         let (samples, spacing) = heights(super::super::recognise(&bytes, "bcr"));
         let is_float = bytes.starts_with(b"fileformat = bcrf\n");

@@ -1,6 +1,6 @@
 //! Matrices of heights as text (.txt, .csv): a line for each row, from the top.
 //!
-//! [`TextHead`] reads the scales that programs write in front of a matrix. Without them a matrix is in metres and has no lateral scale.
+//! The scales that programs write in front of a matrix are read, too. Without them a matrix is in metres and has no lateral scale.
 //! Gwyddion's export begins with four lines of comment: the channel, the width, the height and the unit of the values, with words
 //! in the language of the program.
 

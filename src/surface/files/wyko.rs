@@ -70,7 +70,8 @@ fn blocks(bytes: &[u8]) -> Result<Vec<WykoBlock<'_>>> {
     let mut entries = Cursor::new(bytes, Order::Little).at(PRELUDE);
     let mut entry = || -> Result<(String, u16, usize)> {
         let name = text(entries.take(NAME)?);
-        let (kind, length) = (entries.u16()?, entries.u32()? as usize);
+        // A block of a negative length is empty.
+        let (kind, length) = (entries.u16()?, entries.i32()?.max(0) as usize);
         entries.u16()?; // flags
         Ok((name, kind, length))
     };
@@ -85,14 +86,14 @@ fn blocks(bytes: &[u8]) -> Result<Vec<WykoBlock<'_>>> {
 }
 
 impl WykoBlock<'_> {
-    /// Returns the number in a block of one number: its type says whether it is an integer, its length how long.
+    /// Returns the number in a block of one number. Its type says whether it is an integer; its length counts where they differ.
     fn number(&self) -> Option<f64> {
         let mut cursor = Cursor::new(self.bytes, Order::Little);
         let number = match (self.kind, self.bytes.len()) {
-            (6, 2) => cursor.i16().map(f64::from),
+            (6 | 7, 2) => cursor.i16().map(f64::from),
             (6 | 12, 4) => cursor.i32().map(f64::from),
-            (7, 4) => cursor.f32(),
-            (8, 8) => cursor.f64(),
+            (7, 4..) => cursor.f32(),
+            (8, 8..) => cursor.f64(),
             _ => return None,
         };
         number.ok().filter(|x| x.is_finite())
