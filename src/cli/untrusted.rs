@@ -17,7 +17,11 @@ use crate::render::pigment::Pigment;
 use crate::scene::environment::Environment;
 use crate::scene::{Background, Light, Scene, obj};
 use crate::spectra::amplitude::Layers;
-use crate::surface::files::{self, scan::Scan, sidecar::Sidecar};
+use crate::surface::files::{
+    self,
+    scan::{Quantity, Scan},
+    sidecar::Sidecar,
+};
 use crate::table::{ColorTable, TableReader};
 use crate::units;
 use crate::vk::selection::DeviceChoice;
@@ -32,41 +36,58 @@ use std::sync::Arc;
 pub struct UntrustedReader {
     /// Kind of input; the name of its folders in `fuzz/seeds` and `tests/regressions`.
     pub name: &'static str,
-    /// Function that reads all of the bytes. It panics only if a reader accepted input that it must refuse.
-    pub read: fn(&[u8]) -> Result<()>,
+    function: Function,
 }
 
-/// All readers.
-pub const READERS: [UntrustedReader; 26] = [
-    UntrustedReader { name: "height_image", read: height_image },
-    UntrustedReader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
-    UntrustedReader { name: "gwy", read: |bytes| scan(files::gwy::read(bytes)) },
-    UntrustedReader { name: "nanoscope", read: |bytes| scan(files::nanoscope::read(bytes)) },
-    UntrustedReader { name: "igor", read: |bytes| scan(files::igor::read(bytes)) },
-    UntrustedReader { name: "digital_surf", read: |bytes| scan(files::digital_surf::read(bytes)) },
-    UntrustedReader { name: "x3p", read: |bytes| scan(files::x3p::read(bytes)) },
-    UntrustedReader { name: "sdf_text", read: |bytes| scan(files::sdf::read_text(bytes)) },
-    UntrustedReader { name: "sdf_binary", read: |bytes| scan(files::sdf::read_binary(bytes)) },
-    UntrustedReader { name: "npy", read: |bytes| scan(files::npy::read(bytes)) },
-    UntrustedReader { name: "height_text", read: |bytes| scan(files::text::read(bytes)) },
-    UntrustedReader { name: "xyz", read: |bytes| scan(files::xyz::read(bytes)) },
-    UntrustedReader { name: "tiff", read: |bytes| scan(files::tiff::read(bytes)) },
-    UntrustedReader { name: "sidecar", read: |bytes| Sidecar::parse(text(bytes)?).map(drop) },
-    UntrustedReader { name: "pigment", read: |bytes| Pigment::from_bytes(bytes).map(drop) },
-    UntrustedReader { name: "environment", read: environment },
-    UntrustedReader {
-        name: "material",
-        read: |bytes| Material::from_text("material", text(bytes)?).map(drop),
-    },
-    UntrustedReader { name: "mesh", read: |bytes| obj::from_bytes(bytes).map(drop) },
-    UntrustedReader { name: "scene", read: scene },
-    UntrustedReader { name: "queries", read: |bytes| eval::QueryTable::parse(text(bytes)?).map(drop) },
-    UntrustedReader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
-    UntrustedReader { name: "layers", read: layers },
-    UntrustedReader { name: "colours", read: colours },
-    UntrustedReader { name: "sweep", read: sweep },
-    UntrustedReader { name: "values", read: values },
-    UntrustedReader { name: "command_line", read: command_line },
+/// Function of a reader.
+#[derive(Clone, Copy, Debug)]
+enum Function {
+    /// The reader of a format of heights.
+    Scan(for<'a> fn(&'a [u8]) -> Result<Scan<'a>>),
+    /// Another reader. It panics only if it accepted input that it must refuse.
+    Plain(fn(&[u8]) -> Result<()>),
+}
+
+impl UntrustedReader {
+    const fn new(name: &'static str, read: fn(&[u8]) -> Result<()>) -> Self {
+        Self { name, function: Function::Plain(read) }
+    }
+
+    /// Reads all of the bytes.
+    ///
+    /// # Errors
+    /// Input that the reader refuses.
+    pub fn read(&self, bytes: &[u8]) -> Result<()> {
+        match self.function {
+            Function::Scan(read) => scan(read(bytes)),
+            Function::Plain(read) => read(bytes),
+        }
+    }
+}
+
+/// Returns all readers: those of the formats of heights, and the others.
+pub fn readers() -> Vec<UntrustedReader> {
+    let formats = files::FORMATS.iter();
+    let formats =
+        formats.map(|format| UntrustedReader { name: format.name, function: Function::Scan(format.read) });
+    formats.chain(OTHERS).collect()
+}
+
+/// Readers of what is no file of heights.
+const OTHERS: [UntrustedReader; 13] = [
+    UntrustedReader::new("sidecar", |bytes| Sidecar::parse(text(bytes)?).map(drop)),
+    UntrustedReader::new("pigment", |bytes| Pigment::from_bytes(bytes).map(drop)),
+    UntrustedReader::new("environment", environment),
+    UntrustedReader::new("material", |bytes| Material::from_text("material", text(bytes)?).map(drop)),
+    UntrustedReader::new("mesh", |bytes| obj::from_bytes(bytes).map(drop)),
+    UntrustedReader::new("scene", scene),
+    UntrustedReader::new("queries", |bytes| eval::QueryTable::parse(text(bytes)?).map(drop)),
+    UntrustedReader::new("illuminant", |bytes| Illuminant::from_text(text(bytes)?).map(drop)),
+    UntrustedReader::new("layers", layers),
+    UntrustedReader::new("colours", colours),
+    UntrustedReader::new("sweep", sweep),
+    UntrustedReader::new("values", values),
+    UntrustedReader::new("command_line", command_line),
 ];
 
 /// Returns the bytes as text, like [`crate::input::read_text`].
@@ -75,27 +96,23 @@ fn text(bytes: &[u8]) -> Result<&str> {
         .map_err(|e| Error::input(format!("it is not text ({e})"), "give text").caused_by(e))
 }
 
-fn height_image(bytes: &[u8]) -> Result<()> {
-    const HEIGHT: f64 = 0.4;
-    let settings = files::ReadSettings { pixel_size: Some([0.1, 0.1]), height: Some(HEIGHT), channel: None };
-    let scan = files::image::read(bytes)?;
-    drop(scan);
-    let field = files::from_bytes(bytes, "png", &settings)?.into_field()?;
-    let (low, high) = field.range();
-    assert!(high - low <= HEIGHT * (1.0 + 1e-12), "heights beyond the image's own range");
-    Ok(())
-}
-
-/// Reads every channel of a file and converts it to a height field.
+/// Reads every channel of a file.
 fn scan(scan: Result<Scan>) -> Result<()> {
+    /// Share by which the least signed code of 8 bits exceeds the largest one.
+    const LEAST_CODE: f64 = 1.0 / 127.0;
     let mut whole = Ok(());
     for channel in scan?.channels {
-        let ([columns, rows], spacing) = (channel.size, channel.spacing);
+        let ([columns, rows], spacing, quantity) = (channel.size, channel.spacing, channel.quantity);
         assert!(spacing.iter().flatten().all(|d| d.is_finite() && *d > 0.0), "a distance that is none");
         match channel.samples() {
             Ok(samples) => {
                 assert_eq!(samples.len(), columns * rows, "samples that do not fill their grid");
                 assert!(samples.iter().all(|h| h.is_finite() || h.is_nan()), "an infinite height");
+                let is_share = |h: &f64| h.is_nan() || h.abs() <= 1.0 + LEAST_CODE;
+                assert!(
+                    !matches!(quantity, Quantity::Code { .. }) || samples.iter().all(is_share),
+                    "codes beyond the image's own range"
+                );
             }
             Err(e) => whole = Err(e),
         }

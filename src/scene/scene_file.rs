@@ -15,7 +15,7 @@ use super::scene_options::{self, FileOptions};
 use crate::error::{Error, Remedy, Result};
 use crate::input;
 use crate::surface::SurfaceSource;
-use crate::surface::files::EXTENSIONS;
+use crate::surface::files;
 use crate::surface::synth::SurfaceKind;
 use crate::task::Task;
 use crate::units;
@@ -298,7 +298,7 @@ fn objects(
 /// Returns the error for a `name` that is no scene. That of a surface has its own remedy.
 fn no_scene(name: &OsStr, extension: &str) -> Error {
     let is_kind = name.to_str().and_then(SurfaceKind::from_name).is_some();
-    if is_kind || EXTENSIONS.contains(&extension) {
+    if is_kind || files::is_extension(extension) {
         let what = format!("`{}` is a surface and no scene", name.display());
         return Error::usage(what, Remedy::SurfaceOnScene);
     }

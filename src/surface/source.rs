@@ -107,7 +107,7 @@ fn from_file(name: &OsStr, settings: &ReadSettings) -> Result<Topography> {
         let known = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
         return Err(Error::usage(
             format!("there is no surface `{}`", name.display()),
-            format!("give {}, or one of {known}", files::KNOWN),
+            format!("give {}, or one of {known}", files::known()),
         ));
     }
     files::read(path, settings)

@@ -2,7 +2,7 @@
 
 use super::changes::StepDirection;
 use crate::error::{self, Error, Result};
-use crate::surface::files::EXTENSIONS;
+use crate::surface::files;
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
@@ -33,8 +33,8 @@ pub fn neighbour(file: &Path, step: StepDirection) -> Result<Neighbour> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = folder.join(entry.map_err(unreadable)?.file_name());
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        if EXTENSIONS.contains(&extension.as_str()) && path.is_file() {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        if files::is_extension(extension) && path.is_file() {
             files.push(path);
         }
     }

@@ -1,6 +1,6 @@
 //! What fuzzing once found, and what it started from, read again: success or an error, and never a panic.
 
-use diffract::internals::cli::untrusted::READERS;
+use diffract::internals::cli::untrusted::readers;
 use diffract::internals::random::Random;
 use std::fs;
 use std::path::Path;
@@ -9,13 +9,13 @@ use std::path::Path;
 fn every_seed_and_every_former_finding_is_read_or_refused_in_a_line() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut read = 0;
-    for reader in READERS {
+    for reader in readers() {
         for folder in ["fuzz/seeds", "tests/regressions"] {
             let folder = root.join(folder).join(reader.name);
             let files = fs::read_dir(&folder).into_iter().flatten().map(|entry| entry.unwrap().path());
             for file in files {
                 let bytes = fs::read(&file).unwrap();
-                if let Err(error) = (reader.read)(&bytes) {
+                if let Err(error) = reader.read(&bytes) {
                     let line = error.to_string();
                     assert!(
                         line.contains("; ") && !line.contains(['\n', '\u{1b}']),
@@ -27,7 +27,7 @@ fn every_seed_and_every_former_finding_is_read_or_refused_in_a_line() {
             }
         }
     }
-    assert!(read >= 2 * READERS.len(), "only {read} files were read");
+    assert!(read >= 2 * readers().len(), "only {read} files were read");
 }
 
 #[test]
@@ -38,16 +38,16 @@ fn every_folder_of_findings_belongs_to_a_reader_and_every_reader_has_seeds_that_
         for entry in fs::read_dir(root.join(folder)).into_iter().flatten() {
             let name = entry.unwrap().file_name();
             assert!(
-                READERS.iter().any(|reader| reader.name == name),
+                readers().iter().any(|reader| reader.name == name),
                 "{folder}/{} is nobody's",
                 name.display()
             );
         }
     }
-    for reader in READERS {
+    for reader in readers() {
         let seeds = fs::read_dir(root.join("fuzz/seeds").join(reader.name)).unwrap();
         let taken =
-            seeds.filter(|seed| (reader.read)(&fs::read(seed.as_ref().unwrap().path()).unwrap()).is_ok());
+            seeds.filter(|seed| reader.read(&fs::read(seed.as_ref().unwrap().path()).unwrap()).is_ok());
         assert!(taken.count() > 0, "{} takes none of its seeds", reader.name);
     }
 }
@@ -86,7 +86,7 @@ fn seeds_that_are_damaged_at_random_are_read_or_refused_in_a_line() {
     let tries = std::env::var("DIFFRACT_TRIES").ok().and_then(|n| n.parse().ok()).unwrap_or(TRIES);
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds");
     let mut random = Random::new(0xda_3a6e);
-    for reader in READERS {
+    for reader in readers() {
         let files = fs::read_dir(root.join(reader.name)).unwrap().map(|entry| entry.unwrap().path());
         let mut seeds: Vec<_> = files.map(|path| (path.clone(), fs::read(path).unwrap())).collect();
         seeds.sort();
@@ -95,7 +95,7 @@ fn seeds_that_are_damaged_at_random_are_read_or_refused_in_a_line() {
             let (_, seed) = &seeds[i % seeds.len()];
             let (_, other) = &seeds[(random.share() * seeds.len() as f64) as usize];
             let bytes = damaged(seed, other, &mut random);
-            if let Err(error) = (reader.read)(&bytes) {
+            if let Err(error) = reader.read(&bytes) {
                 let line = error.to_string();
                 assert!(
                     line.contains("; ") && !line.contains(['\n', '\r', '\u{1b}']),

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::surface::files::Topography;
 use crate::surface::files::plausible::HeightSource;
 use crate::surface::synth::SurfaceKind;
-use crate::surface::{HeightField, SurfaceSource};
+use crate::surface::{HeightField, SurfaceSource, files};
 use crate::units;
 use clap::Args;
 use std::borrow::Cow;
@@ -21,9 +21,8 @@ const DEFAULT_SURFACE: &str = "elaphe";
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceOptions {
-    /// Height field: a microscope's file (.gsf .gwy .spm .ibw .sur .x3p .sdf .npy .txt .csv .xyz), a TIFF or PNG, or flat, sinusoid,
-    /// blaze, lamellar, bumps, elaphe, xenopeltis, cd, dvd, brushed, tulip
-    #[arg(long, value_name = "FILE|BUILTIN")]
+    /// Height field: a file or the name of a built-in surface
+    #[arg(long, value_name = "FILE|BUILTIN", help = surface_help())]
     pub surface: Option<OsString>,
     /// Distance between samples, as in 48.83nm or 80nmx90nm, instead of the file's
     #[arg(long, value_name = "LENGTH", value_parser = units::length_pair, allow_hyphen_values = true)]
@@ -39,6 +38,12 @@ pub struct SurfaceOptions {
     pub seed: u64,
     #[command(flatten)]
     preparation: PreparationOptions,
+}
+
+/// Returns the help of the surface: extensions of files, and names of built-in surfaces.
+fn surface_help() -> String {
+    let names = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
+    format!("Height field: a file ({}), or {names}", files::dotted_extensions())
 }
 
 impl SurfaceOptions {

@@ -12,7 +12,7 @@ use crate::figure::{Axis, AxisScale, Figure, FigureFormat, Mark, Panel, palette}
 use crate::files::Files;
 use crate::notes::{Notes, PreparationRecord};
 use crate::optics::color_difference::ciede2000;
-use crate::surface::files::EXTENSIONS;
+use crate::surface::files;
 use crate::surface::statistics::height_spectrum::{SurfaceSpectrum, analysed_part};
 use crate::surface::{HeightField, Statistics};
 use clap::Args;
@@ -163,8 +163,8 @@ fn listed(named: &[OsString]) -> Result<Vec<(OsString, bool)>> {
             files.push(entry.map_err(unread)?.path());
         }
         let is_scan = |file: &PathBuf| {
-            let extension = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-            file.is_file() && extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
+            let extension = file.extension().and_then(|e| e.to_str());
+            file.is_file() && extension.is_some_and(files::is_extension)
         };
         files.retain(is_scan);
         files.sort();

@@ -182,9 +182,8 @@ impl<'a> Cursor<'a> {
 
     /// Reads a text in a field of `width` UTF-16 units, little-endian, up to the first zero.
     pub fn wide_text(&mut self, width: usize) -> Result<String> {
-        let units = self.take(width * 2)?.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]]));
-        let units: Vec<u16> = units.take_while(|unit| *unit != 0).collect();
-        Ok(String::from_utf16_lossy(&units).trim().to_owned())
+        let text = wide_text(self.take(width * 2)?, Order::Little);
+        Ok(text.split('\0').next().unwrap_or_default().trim().to_owned())
     }
 }
 
@@ -201,6 +200,12 @@ pub fn decode_text(bytes: &[u8]) -> String {
         // No UTF-8: Latin-1.
         Err(_) => bytes.iter().map(|b| char::from(*b)).collect(),
     }
+}
+
+/// Decodes UTF-16; an incomplete unit at the end is ignored.
+pub fn wide_text(bytes: &[u8], order: Order) -> String {
+    let units = Number::U16.decode(bytes, order);
+    String::from_utf16_lossy(&units.into_iter().map(|unit| unit as u16).collect::<Vec<_>>())
 }
 
 /// Returns the error of a file that ends too early.

@@ -7,11 +7,11 @@ use crate::error::{Error, Remedy, Result};
 const HEIGHTS: [&str; 6] = ["height", "topo", "zsensor", "zpiezo", "zscan", "surface"];
 
 /// Words in the names of channels that are no surface, although files often give them a unit of length.
-const OTHERS: [&str; 12] = [
+/// A phase in metres is one of an interferometer, and so a height.
+const OTHERS: [&str; 11] = [
     "error",
     "deflection",
     "amplitude",
-    "phase",
     "friction",
     "lateral",
     "current",
@@ -100,6 +100,7 @@ mod tests {
             2
         );
         assert_eq!(chosen(&[("Current", "m"), ("Mine", "m"), ("Z_Sensor", "m")]), 2);
+        assert_eq!(chosen(&[("Intensity", ""), ("Phase", "m")]), 1, "of an interferometer");
         assert_eq!(chosen(&[("Amplitude", "m"), ("Mine", "m")]), 1, "no name says it, the unit does");
         assert_eq!(chosen(&[("Height", "V"), ("Mine", "m")]), 1);
         assert_eq!(chosen(&[("Phase", "deg")]), 0, "there is no other");

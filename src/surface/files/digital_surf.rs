@@ -5,11 +5,11 @@
 //! Gwyddion and RosettaSciIO.
 
 use super::bytes::{Cursor, Number, Order, cut_short, damaged};
-use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
+use super::format::Format;
+use super::scan::{Block, Channel, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
 use crate::memory;
-use crate::notes::PreparationRecord;
 use flate2::read::ZlibDecoder;
 use std::borrow::Cow;
 use std::io::Read;
@@ -25,6 +25,22 @@ const HEADER: usize = 512;
 const MACINTOSH: u16 = 257;
 /// Largest number of streams of a compressed file; real files have one for each core.
 const MOST_STREAMS: u32 = 1 << 16;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "digital_surf",
+    title: "Digital Surf",
+    extensions: &["sur"],
+    signature: |b| b.starts_with(MAGIC) || b.starts_with(COMPRESSED_MAGIC),
+    is_by_name: false,
+    read,
+    facts: [
+        "yes",
+        "yes",
+        "two below the lowest code, if the header says so",
+        "16 and 32 bits, compressed, both byte orders",
+    ],
+};
 
 /// Reads the file in `bytes`. Several surfaces in one file are channels.
 ///
@@ -130,28 +146,19 @@ fn surface<'a>(bytes: &'a [u8], header: &DigitalSurfHeader, i: usize) -> Result<
     } else {
         (Cow::Borrowed(data.get(..count).ok_or_else(cut_short)?), count)
     };
-    let metres = units::length(&header.step_units[2]);
-    let unit = metres.unwrap_or(1.0);
     // The offset is in the unit of the step; readers differ about it, and differences of heights do not depend on it.
     let offset = if header.height_offset.is_finite() { header.height_offset } else { 0.0 };
     let block = Block {
         bytes: data,
-        scale: [header.steps[2] * unit, offset * unit],
+        scale: [header.steps[2], offset],
         // The code two below the lowest one marks samples that were not measured.
         missing: header.special_points.then(|| f64::from(header.lowest) - 2.0),
         ..Block::plain(&[], number, header.order)
     };
     let step = |i: usize| spacing(header.steps[i] * units::length(&header.step_units[i])?, 1);
-    let name = if header.name.is_empty() { "Height".to_owned() } else { header.name.clone() };
-    let channel = Channel {
-        name: if i == 0 { name } else { format!("{name} {}", i + 1) },
-        unit: header.step_units[2].clone(),
-        size,
-        spacing: [step(0), step(1)],
-        quantity: if metres.is_some() { Quantity::Height } else { Quantity::Other },
-        prepared: PreparationRecord::default(),
-        decode: block.decode(size)?,
-    };
+    let name = if header.name.is_empty() { "Height" } else { &header.name };
+    let name = if i == 0 { name.to_owned() } else { format!("{name} {}", i + 1) };
+    let channel = Channel::stored(name, &header.step_units[2], size, [step(0), step(1)], block)?;
     Ok((channel, header.data + used))
 }
 

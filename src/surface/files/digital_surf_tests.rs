@@ -1,3 +1,4 @@
+use super::super::scan::Quantity;
 use super::super::testing::{BOTTOM, TOP, assert_robust, assert_rows, only, whole};
 use super::*;
 use flate2::Compression;

@@ -4,7 +4,8 @@
 //! a multiple of four, then little-endian floats row by row from the top, in base SI units. NaN was not measured.
 
 use super::bytes::{Number, Order, cut_short, damaged, decode_text};
-use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
+use super::format::Format;
+use super::scan::{Block, Channel, Scan, size, spacing};
 use super::topography::Topography;
 use super::units;
 use crate::error::Result;
@@ -16,6 +17,17 @@ pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 
 /// Alignment of the data in the file \[bytes\].
 const ALIGNMENT: usize = 4;
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "gsf",
+    title: "Gwyddion simple field",
+    extensions: &["gsf"],
+    signature: |b| b.starts_with(MAGIC),
+    is_by_name: false,
+    read,
+    facts: ["yes", "yes", "NaN", "written, too; 32-bit floats"],
+};
 
 /// Reads the file in `bytes`.
 ///
@@ -40,26 +52,19 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         let length = value(name)?.parse::<f64>().ok()?;
         spacing(length * metres?, count)
     };
-    let unit = value("ZUnits").unwrap_or_default();
-    let height = units::length(&unit);
     // One to four NUL bytes.
     let start = (end / ALIGNMENT + 1) * ALIGNMENT;
     let data = bytes.get(start..).ok_or_else(cut_short)?;
-    let mut block = Block::plain(data, Number::F32, Order::Little);
-    block.scale[0] = height.unwrap_or(1.0);
-    Ok(Scan::single(
-        "Gwyddion simple field",
-        Channel {
-            name: value("Title").unwrap_or_else(|| "Height".to_owned()),
-            unit,
-            size,
-            spacing: [side("XReal", size[0]), side("YReal", size[1])],
-            quantity: if height.is_some() { Quantity::Height } else { Quantity::Other },
-            prepared: value(notes::PREPARED)
-                .map_or_else(PreparationRecord::default, |text| PreparationRecord::parse(&text)),
-            decode: block.decode(size)?,
-        },
-    ))
+    let mut channel = Channel::stored(
+        value("Title").unwrap_or_else(|| "Height".to_owned()),
+        &value("ZUnits").unwrap_or_default(),
+        size,
+        [side("XReal", size[0]), side("YReal", size[1])],
+        Block::plain(data, Number::F32, Order::Little),
+    )?;
+    channel.prepared = value(notes::PREPARED)
+        .map_or_else(PreparationRecord::default, |text| PreparationRecord::parse(&text));
+    Ok(Scan::single(FORMAT.title, channel))
 }
 
 /// Writes `scan` with heights in metres, of which 32-bit floats hold seven digits, and with `notes`.

@@ -5,7 +5,8 @@
 //! tools and does not make them invalid.
 
 use super::bytes::{Cursor, Number, Order, damaged, decode_text};
-use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
+use super::format::Format;
+use super::scan::{Block, Channel, Scan, size, spacing};
 use super::{Topography, units};
 use crate::error::{Error, Result};
 use crate::notes::{self, Notes, PreparationRecord};
@@ -16,6 +17,22 @@ use std::io::{self, Write};
 pub const MAGIC: &[u8] = b"GWYP";
 /// First bytes of a file of Gwyddion 1.
 pub const OLD_MAGIC: &[u8] = b"GWYO";
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "gwy",
+    title: "Gwyddion 2",
+    extensions: &["gwy"],
+    signature: |b| b.starts_with(MAGIC) || b.starts_with(OLD_MAGIC),
+    is_by_name: false,
+    read,
+    facts: [
+        "yes",
+        "yes",
+        "",
+        "written, too; 64-bit floats; several channels; masks mark samples for Gwyddion's tools and take nothing away; Gwyddion 1 is refused",
+    ],
+};
 
 /// Reads the file in `bytes`.
 ///
@@ -81,19 +98,9 @@ fn field(body: &[u8], name: String, prepared: PreparationRecord) -> Result<Chann
     let size = size(columns, rows)?;
     let [lateral, unit] = unit_names;
     let metres = units::length(&lateral);
-    let height = units::length(&unit);
     let side = |i: usize| spacing(sides[i]? * metres?, size[i]);
-    let mut block = Block::plain(data, Number::F64, Order::Little);
-    block.scale[0] = height.unwrap_or(1.0);
-    Ok(Channel {
-        name,
-        unit,
-        size,
-        spacing: [side(0), side(1)],
-        quantity: if height.is_some() { Quantity::Height } else { Quantity::Other },
-        prepared,
-        decode: block.decode(size)?,
-    })
+    let block = Block::plain(data, Number::F64, Order::Little);
+    Ok(Channel { prepared, ..Channel::stored(name, &unit, size, [side(0), side(1)], block)? })
 }
 
 /// Returns the text of a `GwySIUnit`.

@@ -5,6 +5,7 @@
 //! what it is.
 
 use super::bytes::{Cursor, Number, Order, damaged, text};
+use super::format::Format;
 use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
@@ -66,6 +67,17 @@ struct IgorWave {
     /// Lengths of formula, note, extended units and labels behind the data.
     tail: [usize; 11],
 }
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "igor",
+    title: "Igor (Asylum Research)",
+    extensions: &["ibw"],
+    signature: |b| recognise(b).is_some(),
+    is_by_name: true,
+    read,
+    facts: ["yes", "yes", "NaN", "version 5, several channels, both byte orders"],
+};
 
 /// Reads the file in `bytes`.
 ///

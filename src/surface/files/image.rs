@@ -4,6 +4,7 @@
 //! known and found to fit.
 
 use super::super::{HeightField, MAX_SIDE};
+use super::format::Format;
 use super::scan::{Channel, Quantity, Scan};
 use crate::error::{self, Error, Result};
 use crate::notes::PreparationRecord;
@@ -24,6 +25,17 @@ const DECODER_ROOM: u64 = 64 << 20;
 
 /// Remedy for a file whose pixels are no plain grey codes.
 const EXPORT_GREY: &str = "export it as 8- or 16-bit grey PNG or TIFF";
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "png",
+    title: "PNG",
+    extensions: &["png"],
+    signature: |b| b.starts_with(PNG_MAGIC),
+    is_by_name: true,
+    read,
+    facts: ["to be given", "to be given", "", "8 and 16 bits"],
+};
 
 /// Reads the image in `bytes`, an 8- or 16-bit PNG or TIFF, grey or with equal colour channels; alpha is ignored. Only the first page of
 /// several is read. The orientation that the file asks for is applied.

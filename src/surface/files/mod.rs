@@ -4,35 +4,54 @@
 //! format is recognised by its content and then by its name, a channel is chosen, options and sidecars give the scales that are missing,
 //! and samples that were not measured are known. [`Topography`] is the result. `docs/SCANS.md` has the table of formats.
 
+pub mod alicona;
+pub mod bcr;
 pub mod bytes;
 pub mod choose;
 pub mod digital_surf;
+pub mod format;
+pub mod frt;
 pub mod gsf;
 pub mod gwy;
+pub mod header;
 pub mod igor;
 pub mod image;
 pub mod invalid;
+pub mod jpk;
+pub mod keyence;
+pub mod nanonis;
 pub mod nanoscope;
+pub mod nanosurf;
 pub mod npy;
 pub mod park;
+pub mod picoview;
 pub mod plausible;
 pub mod scan;
 pub mod sdf;
+pub mod sensofar;
 pub mod sidecar;
 pub mod table;
 #[cfg(test)]
 mod testing;
 pub mod text;
+mod text_head;
 pub mod tiff;
+pub mod tiff_tags;
 pub mod topography;
 pub mod units;
+mod unread;
 pub mod write;
+pub mod wsxm;
+pub mod wyko;
 pub mod x3p;
 pub mod xyz;
+pub mod zygo;
+pub mod zygo_xyz;
 
 use super::HeightField;
 use crate::error::{self, Error, Remedy, Result};
 use crate::{input, memory};
+use format::Format;
 use plausible::HeightSource;
 use scan::{Quantity, Scan};
 use sidecar::Sidecar;
@@ -42,10 +61,6 @@ pub use topography::{ChannelInfo, FileSummary, ScanOrigin, Spacing, Topography};
 
 /// Largest file \[bytes\]: several channels of the largest field in double precision.
 pub const MAX_FILE: u64 = 8 << 30;
-
-/// Kinds of files that can be read, for messages.
-pub const KNOWN: &str =
-    "a .gsf, .gwy, .spm, .ibw, .sur, .x3p, .sdf, .npy, .txt, .csv, .xyz, .tif or .png file";
 
 /// Micrometres of a metre.
 const UM: f64 = 1e6;
@@ -84,9 +99,62 @@ impl HeightField {
     }
 }
 
-/// Extensions of the names of height files, without the dot.
-pub const EXTENSIONS: [&str; 14] =
-    ["gsf", "gwy", "spm", "ibw", "sur", "x3p", "sdf", "npy", "txt", "csv", "xyz", "tif", "tiff", "png"];
+/// All formats that are read. The first one whose signature fits reads a file. Recognition, lists of extensions, the table in
+/// `docs/SCANS.md` and the fuzzer's readers follow from these rows.
+pub const FORMATS: &[Format] = &[
+    gsf::FORMAT,
+    gwy::FORMAT,
+    nanoscope::FORMAT,
+    igor::FORMAT,
+    digital_surf::FORMAT,
+    x3p::FORMAT,
+    sdf::FORMAT,
+    jpk::FORMAT,
+    nanosurf::FORMAT,
+    zygo::FORMAT,
+    wyko::FORMAT,
+    nanonis::FORMAT,
+    keyence::FORMAT,
+    sensofar::FORMAT,
+    alicona::FORMAT,
+    wsxm::FORMAT,
+    picoview::FORMAT,
+    frt::FORMAT,
+    bcr::FORMAT,
+    park::FORMAT,
+    tiff::FORMAT,
+    image::FORMAT,
+    npy::FORMAT,
+    text::FORMAT,
+    zygo_xyz::FORMAT,
+    xyz::FORMAT,
+];
+
+/// Returns the extensions of the names of height files, without the dot, each once.
+pub fn extensions() -> Vec<&'static str> {
+    let mut found = Vec::new();
+    for extension in FORMATS.iter().flat_map(|format| format.extensions) {
+        if !found.contains(extension) {
+            found.push(*extension);
+        }
+    }
+    found
+}
+
+/// Returns the extensions for people: with dots and a space between them.
+pub fn dotted_extensions() -> String {
+    extensions().iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Returns true if `extension` is that of a height file, in any case.
+pub fn is_extension(extension: &str) -> bool {
+    extensions().contains(&extension.to_lowercase().as_str())
+}
+
+/// Returns the kinds of files that can be read, for messages.
+pub fn known() -> String {
+    format!("a height file ({})", dotted_extensions())
+}
 
 /// Reads a file that is in memory; `extension` is that of its name, in lower case.
 ///
@@ -98,7 +166,7 @@ pub fn from_bytes(bytes: &[u8], extension: &str, settings: &ReadSettings) -> Res
 
 /// Reads all of a file.
 fn load(path: &Path) -> Result<Vec<u8>> {
-    let file = input::open(path, KNOWN, MAX_FILE)?;
+    let file = input::open(path, &known(), MAX_FILE)?;
     let at = |e: Error| e.at(path.display());
     let length = file.metadata().map_or(0, |m| m.len());
     if length == 0 {
@@ -113,50 +181,29 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads `bytes` in the format of their first bytes, or else in that of the `extension` of the file's name.
+/// Reads `bytes` in the format of their content, or else in that of the `extension` of the file's name. Channels of the same name are
+/// numbered.
 ///
 /// # Errors
 /// No known format; errors of the format's reader.
 pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
-    let begins = |magic: &[u8]| bytes.starts_with(magic);
-    if begins(gsf::MAGIC) {
-        return gsf::read(bytes);
+    if let Some(refusal) = unread::by_content(bytes, extension) {
+        return Err(refusal);
     }
-    if begins(gwy::MAGIC) || begins(gwy::OLD_MAGIC) {
-        return gwy::read(bytes);
-    }
-    if nanoscope::MAGICS.iter().any(|magic| begins(magic)) || begins(nanoscope::FORCE_MAGIC) {
-        return nanoscope::read(bytes);
-    }
-    if begins(digital_surf::MAGIC) || begins(digital_surf::COMPRESSED_MAGIC) {
-        return digital_surf::read(bytes);
-    }
-    if begins(x3p::MAGIC) {
-        return x3p::read(bytes);
-    }
-    if sdf::TEXT_MAGICS.iter().any(|magic| begins(magic)) {
-        return sdf::read_text(bytes);
-    }
-    if sdf::BINARY_MAGICS.iter().any(|magic| begins(magic)) {
-        return sdf::read_binary(bytes);
-    }
-    if begins(npy::MAGIC) {
-        return npy::read(bytes);
-    }
-    if image::is_tiff(bytes) {
-        return tiff::read(bytes);
-    }
-    if begins(image::PNG_MAGIC) || matches!(extension, "png" | "tif" | "tiff") {
-        return image::read(bytes);
-    }
-    if igor::recognise(bytes).is_some() || extension == "ibw" {
-        return igor::read(bytes);
-    }
-    // Text has no magic bytes, and no NUL.
-    if bytes.contains(&0) {
-        return Err(Error::input("is of no known format", format!("give {KNOWN}")));
-    }
-    if extension == "xyz" { xyz::read(bytes) } else { text::read(bytes) }
+    let by_name = |format: &&Format| format.is_by_name && format.has_extension(extension);
+    let by_content = FORMATS.iter().find(|format| (format.signature)(bytes));
+    // The name of what is neither read nor text.
+    let named = |e: Error| unread::by_name(extension).unwrap_or(e);
+    let mut scan = match by_content.or_else(|| FORMATS.iter().find(by_name)) {
+        Some(format) => (format.read)(bytes)?,
+        // Text has no magic bytes, and no NUL but in UTF-16.
+        None if bytes.contains(&0) && table::wide_order(bytes).is_none() => {
+            return Err(named(Error::input("is of no known format", format!("give {}", known()))));
+        }
+        None => text::read(bytes).map_err(named)?,
+    };
+    scan.number_equal_names();
+    Ok(scan)
 }
 
 /// Returns the heights of the chosen channel of `scan`, with the scales that `settings` or the sidecar give.
@@ -171,7 +218,7 @@ fn assemble(
     let chosen = choose::choose(&scan, settings.channel)?;
     let info = |c: &scan::Channel| ChannelInfo { name: c.name.clone(), unit: c.unit.clone(), size: c.size };
     let channels: Vec<ChannelInfo> = scan.channels.iter().map(info).collect();
-    let notes = std::mem::take(&mut scan.notes);
+    let mut notes = std::mem::take(&mut scan.notes);
     let channel = scan.channels.swap_remove(chosen);
     let lacks_scale = channel.quantity != Quantity::Height && settings.height.is_none();
     let lacks_distance = channel.spacing.contains(&None) && settings.pixel_size.is_none();
@@ -206,6 +253,9 @@ fn assemble(
     let coded = matches!(quantity, Quantity::Code { .. });
     let code_height = if coded { height.ok_or_else(needed)? } else { 0.0 };
     let samples = channel.samples()?;
+    if let Quantity::Code { largest } = quantity {
+        notes.extend(plausible::narrow_codes(&samples, largest));
+    }
     let unit = match (quantity, height) {
         (Quantity::Code { .. }, _) => code_height,
         (_, Some(height)) => range_becomes(height, &samples),

@@ -8,6 +8,7 @@
 mod header;
 
 use super::bytes::{Number, Order, damaged};
+use super::format::Format;
 use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
 use super::units;
 use crate::error::{Error, Result};
@@ -23,6 +24,17 @@ pub const FORCE_MAGIC: &[u8] = b"\\*Force file list";
 /// Version from which samples have four bytes, whatever `Bytes/pixel` says.
 const WIDE_SAMPLES: u32 = 0x0920_0000;
 
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "nanoscope",
+    title: "Nanoscope (Bruker, Veeco), also `.000` …",
+    extensions: &["spm"],
+    signature: |b| MAGICS.iter().any(|magic| b.starts_with(magic)) || b.starts_with(FORCE_MAGIC),
+    is_by_name: false,
+    read,
+    facts: ["yes", "yes", "", "2- and 4-byte samples, new and old scales, several channels"],
+};
+
 /// Reads the file in `bytes`.
 ///
 /// # Errors
@@ -33,9 +45,6 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let header = NanoscopeHeader::parse(bytes)?;
     let images = || header.sections.iter().filter(|s| s.is_image());
-    if images().next().is_none() {
-        return Err(Error::input("holds no image", "choose a file with an image in it"));
-    }
     let channels = images().map(|image| (image.name(), channel(bytes, &header, image)));
     Scan::of_readable("Nanoscope", channels.collect())
 }

@@ -3,6 +3,7 @@
 //! Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use super::bytes::{Cursor, Number, Order, damaged, decode_text};
+use super::format::Format;
 use super::scan::{Block, Channel, Quantity, Scan, size};
 use super::topography::Topography;
 use crate::error::{Error, Result};
@@ -12,6 +13,22 @@ use std::io::{self, Write};
 
 /// First bytes of a file.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "npy",
+    title: "NumPy array",
+    extensions: &["npy"],
+    signature: |b| b.starts_with(MAGIC),
+    is_by_name: false,
+    read,
+    facts: [
+        "to be given",
+        "floats: metres; integers: to be given",
+        "NaN",
+        "written, too; 64-bit floats in metres",
+    ],
+};
 
 /// Reads the file in `bytes`.
 ///

@@ -4,11 +4,10 @@
 //! (stored number × scale + offset) × gain in the header's unit; the gain may be negative. Facts after Gwyddion's description.
 
 use super::bytes::{Cursor, Number, Order, cut_short, damaged};
-use super::scan::{Block, Channel, Quantity, Rows, Scan, size, spacing};
-use super::units;
+use super::format::Format;
+use super::scan::{Block, Channel, Rows, Scan, size, spacing};
+use super::tiff_tags::TiffDirectory;
 use crate::error::{Error, Result};
-use crate::notes::PreparationRecord;
-use std::borrow::Cow;
 
 /// Private tags.
 const VERSION_TAG: u16 = 50433;
@@ -21,39 +20,42 @@ const TYPED: u32 = 0x0100_0002;
 /// Offset of the type of samples in the header \[bytes\].
 const TYPE_PLACE: usize = 348;
 
-/// Reads the file in `bytes`; `None` for a TIFF without Park's tags.
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "park",
+    title: "TIFF of Park Systems",
+    extensions: &["tiff"],
+    signature: recognise,
+    is_by_name: false,
+    read,
+    facts: ["yes", "yes", "NaN", "private tags 50434 and 50435"],
+};
+
+/// Returns true if `bytes` are a TIFF with Park's samples.
+fn recognise(bytes: &[u8]) -> bool {
+    TiffDirectory::all(bytes).first().is_some_and(|tags| tags.value(DATA_TAG).is_some())
+}
+
+/// Reads the file in `bytes`.
 ///
 /// # Errors
 /// A header that is too short; fewer samples than the header promises; line profiles.
-pub fn read(bytes: &[u8]) -> Result<Option<Scan<'_>>> {
-    let Some(tags) = Tags::read(bytes) else { return Ok(None) };
-    let Some(data) = tags.value(bytes, DATA_TAG) else { return Ok(None) };
-    let data = data?;
-    let header =
-        tags.value(bytes, HEADER_TAG).ok_or_else(|| damaged("Park's header (tag 50435) is missing"))??;
-    let version = tags.number(VERSION_TAG).unwrap_or_default();
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    let directories = TiffDirectory::all(bytes);
+    let tags = directories.first().ok_or_else(cut_short)?;
+    let data = tags.value(DATA_TAG).ok_or_else(|| damaged("Park's samples (tag 50434) are missing"))??;
+    let header = tags.value(HEADER_TAG).ok_or_else(|| damaged("Park's header (tag 50435) is missing"))??;
+    let version = tags.number(VERSION_TAG).map_or(0, |version| version as u32);
     let header = ParkHeader::read(header, version)?;
-    let metres = units::length(&header.unit);
-    let unit = metres.unwrap_or(1.0);
     let size = size(u64::from(header.counts[0]), u64::from(header.counts[1]))?;
     let block = Block {
-        bytes: Cow::Borrowed(data),
-        scale: [header.scale * header.gain * unit, header.offset * header.gain * unit],
+        scale: [header.scale * header.gain, header.offset * header.gain],
         rows: Rows::BottomFirst,
         ..Block::plain(data, header.number, Order::Little)
     };
-    let decode = block.decode(size)?;
     let side = |i: usize| spacing(header.sides[i], size[i]);
-    let channel = Channel {
-        name: header.name,
-        unit: header.unit,
-        size,
-        spacing: [side(0), side(1)],
-        quantity: if metres.is_some() { Quantity::Height } else { Quantity::Other },
-        prepared: PreparationRecord::default(),
-        decode,
-    };
-    Ok(Some(Scan::single("Park TIFF", channel)))
+    let channel = Channel::stored(header.name, &header.unit, size, [side(0), side(1)], block)?;
+    Ok(Scan::single("Park TIFF", channel))
 }
 
 struct ParkHeader {
@@ -89,9 +91,6 @@ impl ParkHeader {
         let scale = cursor.f64()?;
         let offset = cursor.f64()?;
         let unit = cursor.wide_text(8)?;
-        if !(gain.is_finite() && scale.is_finite() && offset.is_finite()) {
-            return Err(damaged("its scale of heights is no number"));
-        }
         let number = if version >= TYPED && header.len() >= TYPE_PLACE + 4 {
             match Cursor::new(header, Order::Little).at(TYPE_PLACE).u32()? {
                 0 => Number::I16,
@@ -112,51 +111,6 @@ impl ParkHeader {
             unit: if unit.is_empty() { "um".to_owned() } else { unit },
             number,
         })
-    }
-}
-
-/// Entries of the first directory of a TIFF: tag, type, count, and the four bytes of the value or of its offset.
-struct Tags {
-    order: Order,
-    entries: Vec<(u16, u16, u32, u32)>,
-}
-
-impl Tags {
-    fn read(bytes: &[u8]) -> Option<Self> {
-        let order = match bytes.get(..4)? {
-            b"II*\0" => Order::Little,
-            b"MM\0*" => Order::Big,
-            _ => return None,
-        };
-        let mut cursor = Cursor::new(bytes, order).at(4);
-        let place = cursor.u32().ok()? as usize;
-        let mut cursor = cursor.at(place);
-        let count = cursor.u16().ok()?;
-        let mut entry =
-            || Some((cursor.u16().ok()?, cursor.u16().ok()?, cursor.u32().ok()?, cursor.u32().ok()?));
-        Some(Self { order, entries: (0..count).map_while(|_| entry()).collect() })
-    }
-
-    fn entry(&self, tag: u16) -> Option<(u16, u16, u32, u32)> {
-        self.entries.iter().find(|entry| entry.0 == tag).copied()
-    }
-
-    /// Returns the whole number of `tag`.
-    fn number(&self, tag: u16) -> Option<u32> {
-        self.entry(tag).map(|(_, _, _, value)| value)
-    }
-
-    /// Returns the bytes of `tag`, which stand apart from the directory; `None` if there is no such tag.
-    fn value<'a>(&self, bytes: &'a [u8], tag: u16) -> Option<Result<&'a [u8]>> {
-        let (_, kind, count, place) = self.entry(tag)?;
-        let width = match kind {
-            1 | 2 | 6 | 7 => 1,
-            3 | 8 => 2,
-            4 | 9 | 11 => 4,
-            _ => 8,
-        };
-        let length = (count as usize).saturating_mul(width);
-        Some(Cursor::new(bytes, self.order).at(place as usize).take(length).map_err(|_| cut_short()))
     }
 }
 

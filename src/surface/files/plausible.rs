@@ -7,6 +7,9 @@ const HIGHEST: f64 = 1e-3;
 /// Plausible ranges of heights relative to the longer side of the patch: from a polished mirror's to a deep trench's.
 const RELIEFS: (f64, f64) = (1e-7, 3.0);
 
+/// Part of the codes of an image below which their full height is questioned: 12-bit codes in 16 bits use a sixteenth.
+const NARROW: f64 = 1.0 / 8.0;
+
 /// Who says how high a surface is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeightSource {
@@ -37,6 +40,19 @@ pub fn questions(size: [usize; 2], spacing: [f64; 2], range: f64, scale: HeightS
         questions.push(format!("heights span {range} over a patch of {side}: {question}"));
     }
     questions
+}
+
+/// Returns a question about codes that use a small part of their range: `shares` of the `largest` code, of a surface that is not flat.
+pub fn narrow_codes(shares: &[f64], largest: f64) -> Option<String> {
+    let low = shares.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = shares.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let is_narrow = high > low && high - low < NARROW;
+    is_narrow.then(|| {
+        let [low, high] = [low, high].map(|share| (share * largest).round());
+        format!(
+            "its codes go from {low} to {high} of {largest}: is the full height that of the code {largest}?"
+        )
+    })
 }
 
 /// Returns a length in a suitable unit.
@@ -99,6 +115,13 @@ mod tests {
         }
         let said = questions([3, 4], [4.1133e-6, 1.4e-6], 15.0, HeightSource::File).concat();
         assert!(said.contains("15.0000 m") && said.contains("12.3399 um"), "{said}");
+    }
+
+    #[test]
+    fn codes_of_a_small_part_of_their_range_are_questioned() {
+        let said = narrow_codes(&[0.0, f64::NAN, 4095.0 / 65_535.0], 65_535.0).unwrap();
+        assert!(said.contains("from 0 to 4095 of 65535"), "{said}");
+        assert!(narrow_codes(&[0.1, 0.6], 255.0).is_none() && narrow_codes(&[0.1; 2], 255.0).is_none());
     }
 
     #[test]

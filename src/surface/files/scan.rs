@@ -1,7 +1,8 @@
 //! Contents of a microscope file, before a channel is chosen or scaled.
 
 use super::super::MAX_SIDE;
-use super::bytes::{Number, Order, cut_short};
+use super::bytes::{Number, Order, cut_short, damaged};
+use super::units;
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::notes::PreparationRecord;
@@ -42,7 +43,41 @@ pub struct Channel<'a> {
     pub decode: Decode<'a>,
 }
 
-impl Channel<'_> {
+impl<'a> Channel<'a> {
+    /// Returns an image of `size` whose samples are those of `block` in `unit`: heights if that is a length.
+    ///
+    /// # Errors
+    /// Fewer bytes than `size` needs; a scale that is no number.
+    pub fn stored(
+        name: impl Into<String>,
+        unit: &str,
+        size: [usize; 2],
+        spacing: [Option<f64>; 2],
+        mut block: Block<'a>,
+    ) -> Result<Self> {
+        if block.scale.iter().any(|x| !x.is_finite()) {
+            return Err(damaged("its scale of heights is no number"));
+        }
+        let metres = units::length(unit);
+        block.scale = block.scale.map(|x| x * metres.unwrap_or(1.0));
+        Ok(Self {
+            name: name.into(),
+            unit: unit.to_owned(),
+            size,
+            spacing,
+            quantity: if metres.is_some() { Quantity::Height } else { Quantity::Other },
+            prepared: PreparationRecord::default(),
+            decode: block.decode(size)?,
+        })
+    }
+
+    /// Returns the same image with samples that `change` makes of the stored ones.
+    #[must_use]
+    pub fn changed(self, change: impl FnOnce(Vec<f64>) -> Vec<f64> + 'a) -> Self {
+        let decode = self.decode;
+        Self { decode: Box::new(move || Ok(change(decode()?))), ..self }
+    }
+
     /// Decodes the samples: `size[0]` × `size[1]` of them, row by row from the top; NaN for those that were not measured.
     ///
     /// # Errors
@@ -83,10 +118,22 @@ impl<'a> Scan<'a> {
         Self { format, channels, notes: Vec::new(), asks: false }
     }
 
+    /// Numbers channels that have the name of an earlier one, as in `Height (2)`, so that each can be chosen by its name.
+    pub fn number_equal_names(&mut self) {
+        let mut met = std::collections::HashMap::new();
+        for channel in &mut self.channels {
+            let count: &mut usize = met.entry(channel.name.clone()).or_default();
+            *count += 1;
+            if *count > 1 {
+                channel.name = format!("{} ({count})", channel.name);
+            }
+        }
+    }
+
     /// Returns a file of the channels that can be read, each with its name. Errors of the others become notes.
     ///
     /// # Errors
-    /// The first channel's error if none can be read.
+    /// The first channel's error if none can be read; no channel at all.
     pub fn of_readable(format: &'static str, found: Vec<(String, Result<Channel<'a>>)>) -> Result<Self> {
         let mut scan = Self::new(format, Vec::new());
         let mut first = None;
@@ -101,6 +148,9 @@ impl<'a> Scan<'a> {
         }
         match first {
             Some(error) if scan.channels.is_empty() => Err(error),
+            None if scan.channels.is_empty() => {
+                Err(Error::input("holds no image", "choose a file with an image in it"))
+            }
             _ => Ok(scan),
         }
     }
@@ -153,14 +203,27 @@ pub struct Block<'a> {
     pub scale: [f64; 2],
     /// Stored number of a sample that was not measured.
     pub missing: Option<f64>,
+    /// Least stored number of samples that were not measured.
+    pub missing_from: Option<f64>,
     /// Row that is the top.
     pub rows: Rows,
+    /// True if the first sample of a row is its right end.
+    pub mirrored: bool,
 }
 
 impl<'a> Block<'a> {
     /// Returns a block whose numbers are the samples themselves.
     pub fn plain(bytes: &'a [u8], number: Number, order: Order) -> Self {
-        Self { bytes: bytes.into(), number, order, scale: [1.0, 0.0], missing: None, rows: Rows::TopFirst }
+        Self {
+            bytes: bytes.into(),
+            number,
+            order,
+            scale: [1.0, 0.0],
+            missing: None,
+            missing_from: None,
+            rows: Rows::TopFirst,
+            mirrored: false,
+        }
     }
 
     /// Returns the function that decodes the samples of an image of `size`.
@@ -176,11 +239,15 @@ impl<'a> Block<'a> {
             let mut samples = self.number.decode(&self.bytes[..needed], self.order);
             let [factor, zero] = self.scale;
             for sample in &mut samples {
-                let missing = self.missing == Some(*sample);
+                let missing =
+                    self.missing == Some(*sample) || self.missing_from.is_some_and(|least| *sample >= least);
                 *sample = if missing { f64::NAN } else { *sample * factor + zero };
             }
             if self.rows == Rows::BottomFirst {
                 flip(&mut samples, size[0]);
+            }
+            if self.mirrored {
+                samples.chunks_exact_mut(size[0]).for_each(<[f64]>::reverse);
             }
             Ok(samples)
         }))

@@ -4,15 +4,39 @@
 //! does. A height is the stored number times `Zscale`.
 
 use super::bytes::{Cursor, Number, Order, cut_short, damaged, decode_text};
+use super::format::Format;
 use super::scan::{Block, Channel, Quantity, Scan, size, spacing};
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::notes::PreparationRecord;
 
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "sdf",
+    title: "ISO 25178-71",
+    extensions: &["sdf"],
+    signature: |b| TEXT_MAGICS.iter().chain(&BINARY_MAGICS).any(|magic| b.starts_with(magic)),
+    is_by_name: false,
+    read,
+    facts: ["yes", "yes", "`BAD`, the reserved code", "text and binary"],
+};
+
 /// First bytes of text files; the second are those of the standard's forerunner.
 pub const TEXT_MAGICS: [&[u8]; 2] = [b"aISO-1.0", b"aBCR-1.0"];
 /// First bytes of binary files.
 pub const BINARY_MAGICS: [&[u8]; 2] = [b"bISO-1.0", b"bBCR-1.0"];
+
+/// Reads the file in `bytes`, text or binary.
+///
+/// # Errors
+/// See [`read_text`] and [`read_binary`].
+pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
+    if TEXT_MAGICS.iter().any(|magic| bytes.starts_with(magic)) {
+        read_text(bytes)
+    } else {
+        read_binary(bytes)
+    }
+}
 
 /// Fields of text and binary headers.
 struct SdfHeader {

@@ -1,8 +1,9 @@
 //! Lines of numbers, as written by instruments and spreadsheets.
 
-use super::bytes::damaged;
+use super::bytes::{Order, damaged, decode_text, wide_text};
 use crate::error::{Error, Result};
 use crate::memory;
+use std::borrow::Cow;
 
 /// Words for a sample that was not measured, in lower case.
 const MISSING: [&str; 6] = ["nan", "bad", "n/a", "null", "---", "--"];
@@ -37,10 +38,13 @@ enum Style {
 /// A row of another length, a word that is no number, no row at all; no room.
 pub fn parse(text: &str) -> Result<TextTable> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    // The lines of old Macintosh programs end in CR alone.
+    let ends = if text.contains('\n') { '\n' } else { '\r' };
     let mut table = TextTable { columns: 0, numbers: Vec::new(), head: Vec::new(), titled: false };
     let mut style = None;
-    for (i, line) in text.lines().enumerate() {
-        let line = line.trim_matches(|c: char| c == ' ' || c == '\r');
+    for (i, line) in text.split(ends).enumerate() {
+        let unquoted = if line.contains('"') { Cow::Owned(unquoted(line)) } else { Cow::Borrowed(line) };
+        let line = unquoted.trim_matches(|c: char| c == ' ' || c == '\r');
         let comment = line.starts_with(['#', '%']) || line.starts_with("//");
         if line.trim().is_empty() || comment {
             if style.is_none() && comment {
@@ -86,6 +90,44 @@ pub fn parse(text: &str) -> Result<TextTable> {
         return Err(damaged("it holds no numbers"));
     }
     Ok(table)
+}
+
+/// Returns a line without its quotes. What they enclose has a decimal point for a comma, and no other commas.
+fn unquoted(line: &str) -> String {
+    let mut plain = String::with_capacity(line.len());
+    for (i, part) in line.split('"').enumerate() {
+        let is_quoted = i % 2 == 1;
+        match (is_quoted, part.matches(',').count()) {
+            (true, 1) if !part.contains('.') => plain.push_str(&part.replace(',', ".")),
+            (true, 1..) => plain.push_str(&part.replace(',', "")),
+            _ => plain.push_str(part),
+        }
+    }
+    plain
+}
+
+/// Decodes a text: UTF-16 of either byte order, with a byte order mark or of letters with a NUL each; UTF-8; or Latin-1.
+pub fn decoded(bytes: &[u8]) -> String {
+    match wide_order(bytes) {
+        Some(order) => wide_text(bytes, order),
+        None => decode_text(bytes),
+    }
+}
+
+/// Returns the byte order of a text in UTF-16; `None` for other content.
+pub fn wide_order(bytes: &[u8]) -> Option<Order> {
+    /// Bytes that show the byte order of a text without a mark.
+    const SHOWN: usize = 32;
+    let is_letter = |b: &u8| b.is_ascii_graphic() || b.is_ascii_whitespace();
+    let shown = bytes.get(..bytes.len().min(SHOWN) & !1).filter(|shown| shown.len() >= 8)?;
+    let all = |is: &dyn Fn(&u8, &u8) -> bool| shown.chunks_exact(2).all(|pair| is(&pair[0], &pair[1]));
+    match bytes {
+        [0xff, 0xfe, ..] => Some(Order::Little),
+        [0xfe, 0xff, ..] => Some(Order::Big),
+        _ if all(&|low, high| is_letter(low) && *high == 0) => Some(Order::Little),
+        _ if all(&|high, low| is_letter(low) && *high == 0) => Some(Order::Big),
+        _ => None,
+    }
 }
 
 fn begins_with_a_number(line: &str) -> bool {
@@ -144,6 +186,13 @@ fn number(word: &str, comma: bool) -> Option<f64> {
     if plain && !word.is_empty() {
         return word.parse().ok();
     }
+    if word.contains(['D', 'd', '\u{2212}']) {
+        // Fortran's exponents, and the minus sign of typesetters.
+        let usual = word.replace(['D', 'd'], "e").replace('\u{2212}', "-");
+        if !usual.is_empty() && usual.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
+            return number(&usual, comma);
+        }
+    }
     if comma && word.contains(',') {
         return number(&word.replace(',', "."), false);
     }
@@ -189,6 +238,29 @@ mod tests {
         assert_eq!((table.columns, &table.head), (3, &vec!["# Channel: A".to_owned(), "x,y".to_owned()]));
         assert!(!table.titled && parse("a,b\n1,2\n").unwrap().titled);
         assert_eq!(table.numbers.iter().filter(|x| x.is_nan()).count(), 4);
+    }
+
+    #[test]
+    fn texts_of_other_makers_have_the_same_numbers() {
+        let expected = (2, vec![0.5, -2e-3, 3.0, 4.0]);
+        for text in [
+            "0.5 -2\r3 4\r".replace("-2", "-2D-3"),
+            "\"0,5\",\"-0,002\"\n\"3\",\"4\"\n".to_owned(),
+            "0,5;\u{2212}2d-3\n3;4\n".to_owned(),
+        ] {
+            assert_eq!(rows(&text), expected, "{text:?}");
+        }
+        let wide = |order: &dyn Fn(u16) -> [u8; 2]| {
+            "0.5 -2e-3\n3 4\n".encode_utf16().flat_map(order).collect::<Vec<u8>>()
+        };
+        for bytes in [
+            wide(&u16::to_le_bytes),
+            wide(&u16::to_be_bytes),
+            [&[0xff, 0xfe][..], &wide(&u16::to_le_bytes)].concat(),
+        ] {
+            assert_eq!(rows(&decoded(&bytes)), expected);
+        }
+        assert!(parse("1 2\n3 bad1\n").is_err() && wide_order(b"1 2\n3 4\n").is_none());
     }
 
     #[test]

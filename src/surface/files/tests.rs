@@ -27,6 +27,29 @@ fn content_decides_and_a_wrong_extension_does_no_harm() {
 }
 
 #[test]
+fn every_format_stands_in_the_table_of_the_book() {
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/SCANS.md");
+    let page = fs::read_to_string(&place).unwrap();
+    let is_row = |line: &&str| line.starts_with("| `.");
+    let (rows, written): (Vec<&str>, Vec<String>) =
+        (page.lines().filter(is_row).collect(), FORMATS.iter().map(Format::row).collect());
+    if std::env::var_os("DIFFRACT_BLESS").is_some() {
+        fs::write(&place, page.replace(&rows.join("\n"), &written.join("\n"))).unwrap();
+    } else {
+        assert_eq!(rows, written, "the table of docs/SCANS.md; DIFFRACT_BLESS=1 writes it");
+    }
+}
+
+#[test]
+fn extensions_are_lower_case_and_each_stands_once() {
+    let all = extensions();
+    assert!(all.iter().all(|e| *e == e.to_lowercase() && !e.contains('.')), "{all:?}");
+    assert!(is_extension("TIF") && is_extension("gsf") && !is_extension("obj"));
+    assert_eq!(all.iter().filter(|e| **e == "tiff").count(), 1);
+    assert!(known().contains(".gsf .gwy"));
+}
+
+#[test]
 fn a_scale_that_is_missing_is_asked_for() {
     let matrix = b"1e-9 2e-9\n3e-9 4e-9\n";
     let said = |e: Result<Topography>| {

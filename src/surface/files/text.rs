@@ -1,27 +1,38 @@
 //! Matrices of heights as text (.txt, .csv): a line for each row, from the top.
 //!
+//! The scales that programs write in front of a matrix are read, too. Without them a matrix is in metres and has no lateral scale.
 //! Gwyddion's export begins with four lines of comment: the channel, the width, the height and the unit of the values, with words
-//! in the language of the program. Without them a matrix is in metres and has no lateral scale.
+//! in the language of the program.
 
-use super::bytes::decode_text;
+use super::bytes::damaged;
+use super::format::{Format, no_signature};
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, TextTable};
+use super::text_head::TextHead;
 use super::topography::Topography;
 use super::{units, xyz};
 use crate::error::{Error, Result};
 use crate::notes::{self, Notes};
 use std::io::{self, Write};
 
-/// Fields of the head of Gwyddion's export.
-struct GwyddionHead {
-    name: String,
-    /// Width and height of the whole image \[m\].
-    sides: [f64; 2],
-    unit: String,
-}
-
 /// First bytes of Wyko's text format, which holds more than a matrix.
 const WYKO_MAGIC: &[u8] = b"Wyko ASCII";
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "text",
+    title: "matrix",
+    extensions: &["txt", "csv", "asc"],
+    signature: no_signature,
+    is_by_name: false,
+    read,
+    facts: [
+        "the header of Gwyddion, SPIP, Nova, Keyence or ESRI, or to be given",
+        "the header's unit, or metres",
+        "`nan`, `BAD`, an empty field, the header's number or mask",
+        "written with Gwyddion's header and every digit; decimal commas, quotes, UTF-16",
+    ],
+};
 
 /// Reads the file in `bytes`.
 ///
@@ -34,32 +45,44 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
             "export it as .sur, .x3p or a plain matrix of heights",
         ));
     }
-    let table = table::parse(&decode_text(bytes))?;
-    if let Some(scan) = points(&table) {
+    let table = table::parse(&table::decoded(bytes))?;
+    let head = TextHead::read(&table.head);
+    if head.counts.is_none()
+        && let Some(scan) = points(&table)
+    {
         return Ok(scan);
     }
-    let TextTable { columns, mut numbers, head, titled } = table;
+    let TextTable { mut columns, mut numbers, head: lines, titled } = table;
     if titled {
         return Err(Error::input(
             "is a table with named columns and no matrix",
             "write a line for each row of heights",
         ));
     }
-    let rows = numbers.len() / columns;
-    let size = size(columns as u64, rows as u64)?;
-    let comments: Vec<&str> = head.iter().filter_map(|line| line.strip_prefix('#')).collect();
+    let matrices = if head.has_mask { 2 } else { 1 };
+    if let Some([counted, rows]) = head.counts {
+        // Lines may be broken anywhere.
+        if counted.saturating_mul(rows).saturating_mul(matrices) != numbers.len() as u64 {
+            return Err(damaged(format!("it holds {} numbers instead of {counted} x {rows}", numbers.len())));
+        }
+        columns = counted as usize;
+    }
+    let size = size(columns as u64, numbers.len() as u64 / columns.max(1) as u64 / matrices)?;
+    let mask = numbers.split_off(size[0] * size[1]);
+    let comments: Vec<&str> = lines.iter().filter_map(|line| line.strip_prefix('#')).collect();
     let prepared = notes::preparation(&comments.join("\n"));
-    let head = gwyddion(&head);
-    let format = if head.is_some() { "Gwyddion text" } else { "text" };
-    let spacing = head.as_ref().map_or([None, None], |h| [0, 1].map(|i| spacing(h.sides[i], size[i])));
-    let (name, unit) = head.map_or_else(|| ("matrix".to_owned(), "m".to_owned()), |h| (h.name, h.unit));
-    let metres = units::length(&unit);
+    let spacing = [0, 1].map(|i| head.spacing[i].or_else(|| spacing(head.sides[i]?, size[i])));
+    let metres = units::length(&head.unit);
     let quantity = if metres.is_some() { Quantity::Height } else { Quantity::Other };
-    if let Some(metres) = metres.filter(|m| *m != 1.0) {
-        numbers.iter_mut().for_each(|x| *x *= metres);
+    numbers.iter_mut().filter(|x| Some(**x) == head.missing).for_each(|x| *x = f64::NAN);
+    numbers.iter_mut().zip(mask).filter(|(_, m)| *m != 0.0).for_each(|(x, _)| *x = f64::NAN);
+    let factor = metres.unwrap_or(1.0) * head.factor;
+    if factor != 1.0 {
+        numbers.iter_mut().for_each(|x| *x *= factor);
     }
     let decode = Box::new(move || Ok(numbers));
-    Ok(Scan::single(format, Channel { name, unit, size, spacing, quantity, prepared, decode }))
+    let (name, unit) = (head.name, head.unit);
+    Ok(Scan::single(head.format, Channel { name, unit, size, spacing, quantity, prepared, decode }))
 }
 
 /// Returns the grid of points that a table of three columns may be, one at every node. No matrix of heights is such a grid by chance.
@@ -71,22 +94,6 @@ fn points(table: &TextTable) -> Option<Scan<'static>> {
     }
     scan.notes.push("the three columns are x, y and height of a grid of points, in metres".to_owned());
     Some(scan)
-}
-
-/// Parses the four lines of Gwyddion's export, which are recognised by the two lengths.
-fn gwyddion(head: &[String]) -> Option<GwyddionHead> {
-    let entries: Vec<&str> =
-        head.iter().filter_map(|line| Some(line.strip_prefix('#')?.split_once(':')?.1.trim())).collect();
-    let length = |text: &str| {
-        let (number, unit) = units::number_with_unit(text)?;
-        Some(number * units::length(unit)?)
-    };
-    let found = entries.windows(4).find_map(|lines| match lines {
-        [name, width, height, unit] => Some(((*name).to_owned(), length(width)?, length(height)?, unit)),
-        _ => None,
-    });
-    let (name, width, height, unit) = found?;
-    Some(GwyddionHead { name, sides: [width, height], unit: (*unit).to_owned() })
 }
 
 /// Writes `scan` as Gwyddion exports it, with every digit that heights in metres have, and `notes` as more comments.

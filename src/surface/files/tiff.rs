@@ -5,9 +5,10 @@
 //! tags are applied.
 
 use super::bytes::damaged;
+use super::format::Format;
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::topography::Topography;
-use super::{image, park, units};
+use super::{image, units};
 use crate::error::{self, Error, Result};
 use crate::memory;
 use crate::notes::{self, Notes};
@@ -21,27 +22,35 @@ use std::io::{Cursor, Seek, Write};
 /// Largest distance of samples in resolution tags \[m\]; larger ones are the size of a print, not of the surface.
 const COARSEST: f64 = 10e-6;
 
-/// Tag of JPK's microscopes for the width of the scan.
-const JPK_WIDTH: u16 = 32834;
-
 /// First words of the description of a TIFF of this program.
 const OWN: &str = "heights in metres; distance of samples in metres: ";
 
-/// Reads the file in `bytes`; only the first page of several is read. Files of Park's microscopes are read by [`park`].
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "tiff",
+    title: "TIFF",
+    extensions: &["tif", "tiff"],
+    signature: image::is_tiff,
+    is_by_name: true,
+    read,
+    facts: [
+        "resolution tags finer than 10 µm, ImageJ's description",
+        "floats: metres; integers: to be given",
+        "NaN",
+        "classic and BigTIFF; written as 32-bit floats with both scales",
+    ],
+};
+
+/// Reads the file in `bytes`; only the first page of several is read.
 ///
 /// # Errors
-/// A file that is damaged; colours; a size that no height field has; a scan of JPK's microscopes, whose first page is a thumbnail.
+/// A file that is damaged; colours; a size that no height field has.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    if let Some(scan) = park::read(bytes)? {
-        return Ok(scan);
+    if !image::is_tiff(bytes) {
+        // The name alone says that it is a TIFF: a PNG perhaps.
+        return image::read(bytes);
     }
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(explain)?;
-    if decoder.find_tag(Tag::Unknown(JPK_WIDTH)).map_err(explain)?.is_some() {
-        return Err(Error::input(
-            "is a scan of JPK's microscopes, whose channels are not read",
-            "export the height as .gsf or .txt with Gwyddion, or as text with JPK's own program",
-        ));
-    }
     let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
     if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(explain)?
         == Some(white_is_zero)
@@ -65,18 +74,30 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     const UNSIGNED: u16 = 1;
     let unsigned = formats.first().is_none_or(|f| *f == UNSIGNED);
     if !grey || unsigned && bits.first().is_none_or(|b| *b <= 16) {
+        let marks = CodeMarks::read(&mut decoder);
         let mut scan = image::read(bytes)?;
-        scan.channels.iter_mut().for_each(|c| c.spacing = distances);
+        for mut channel in std::mem::take(&mut scan.channels) {
+            channel.spacing = distances;
+            if let Quantity::Code { largest } = channel.quantity {
+                let bound = marks.bound(largest);
+                scan.notes.extend(bound.map(|bound| bounded(bound, largest)));
+                channel.quantity = Quantity::Code { largest: bound.unwrap_or(largest) };
+                channel = channel.changed(move |shares| marks.applied(shares, largest, bound));
+            }
+            scan.channels.push(channel);
+        }
         scan.notes.extend(more.then(|| PAGES.to_owned()));
         return Ok(scan);
     }
     let unit = value_unit(&mut decoder);
     let prepared = notes::preparation(&description(&mut decoder));
-    let (samples, largest) = numbers(decoder, size, bytes.len())?;
+    let marks = CodeMarks::read(&mut decoder);
+    let (mut samples, largest) = numbers(decoder, size, bytes.len())?;
+    samples.iter_mut().filter(|x| Some(**x) == marks.missing).for_each(|x| *x = f64::NAN);
     let (samples, size) = oriented(samples, size, orientation);
     let metres = units::length(&unit);
     let (quantity, factor) = match metres {
-        _ if largest.is_finite() => (Quantity::Code { largest }, 1.0),
+        _ if largest.is_finite() => (Quantity::Code { largest }, 1.0 / largest),
         Some(metres) => (Quantity::Height, metres),
         None => (Quantity::Other, 1.0),
     };
@@ -94,6 +115,59 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     );
     scan.notes.extend(more.then(|| PAGES.to_owned()));
     Ok(scan)
+}
+
+/// Codes with a meaning by the tags of a file.
+#[derive(Clone, Copy, Debug)]
+struct CodeMarks {
+    /// Number of a sample that was not measured (GDAL's tag).
+    missing: Option<f64>,
+    /// Largest code of a camera of fewer bits than the samples have.
+    largest: Option<f64>,
+}
+
+impl CodeMarks {
+    fn read(decoder: &mut Decoder<Cursor<&[u8]>>) -> Self {
+        /// Tag of the largest number of samples of any type; that of unsigned ones is `MaxSampleValue`.
+        const LARGEST: Tag = Tag::SMaxSampleValue;
+        let missing = decoder.get_tag_ascii_string(Tag::GdalNodata).ok(); // most files have none
+        let largest = [Tag::MaxSampleValue, LARGEST].into_iter().find_map(|tag| {
+            decoder.find_tag_unsigned::<u32>(tag).ok().flatten() // most files have none
+        });
+        Self {
+            missing: missing.and_then(|text| text.trim_matches(['\0', ' ']).parse().ok()),
+            // Other numbers are the highest code of this picture.
+            largest: largest.filter(|n| n.checked_add(1).is_some_and(u32::is_power_of_two)).map(f64::from),
+        }
+    }
+
+    /// Returns the largest code, if it is below the `largest` of the type of samples.
+    fn bound(&self, largest: f64) -> Option<f64> {
+        self.largest.filter(|bound| *bound > 0.0 && *bound < largest)
+    }
+
+    /// Returns `shares` of the `largest` number of the type as shares of `bound`, NaN for samples that were not measured.
+    fn applied(&self, shares: Vec<f64>, largest: f64, bound: Option<f64>) -> Vec<f64> {
+        let factor = bound.map_or(1.0, |bound| largest / bound);
+        let is_missing = |share: f64| self.missing == Some((share * largest).round());
+        shares.into_iter().map(|x| if is_missing(x) { f64::NAN } else { x * factor }).collect()
+    }
+}
+
+/// Returns the note for codes that end below the `largest` of their type.
+fn bounded(bound: f64, largest: f64) -> String {
+    format!("the largest code is {bound} by the file's tag, not {largest}")
+}
+
+/// Returns the distance of samples along `axis` \[m\] in a description in OME-XML; micrometres are the default unit.
+fn ome(text: &str, axis: char) -> Option<f64> {
+    let tag = text.split_once("Pixels ")?.1.split_once('>')?.0.replace('\'', "\"");
+    let tag = format!(" {tag}");
+    let attribute =
+        |name: String| Some(tag.split_once(&format!(" {name}=\""))?.1.split_once('"')?.0.to_owned());
+    let unit = attribute(format!("PhysicalSize{axis}Unit")).unwrap_or_else(|| "um".to_owned());
+    let unit = unit.replace("&#181;", "\u{b5}").replace("&#xB5;", "\u{b5}");
+    spacing(attribute(format!("PhysicalSize{axis}"))?.parse::<f64>().ok()? * units::length(&unit)?, 1)
 }
 
 /// Note for a file of several pages.
@@ -117,7 +191,7 @@ fn value_unit(decoder: &mut Decoder<Cursor<&[u8]>>) -> String {
 }
 
 /// Converts the decoder's message into an error of this program.
-fn explain(cause: TiffError) -> Error {
+pub fn explain(cause: TiffError) -> Error {
     let error = match &cause {
         TiffError::UnsupportedError(_) => {
             Error::input(format!("cannot be used: {cause}"), "export it as grey TIFF without compression")
@@ -134,8 +208,11 @@ fn explain(cause: TiffError) -> Error {
     error.caused_by(cause)
 }
 
-/// Decodes all samples, integers as shares of their largest code. Returns that code as well; infinity for floating-point numbers.
-fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> Result<(Vec<f64>, f64)> {
+/// Decodes all samples. Returns the largest number of their type as well; infinity for floating-point numbers.
+///
+/// # Errors
+/// A picture that is damaged, or of more or fewer numbers than `size` says; no room.
+pub fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> Result<(Vec<f64>, f64)> {
     /// Bytes of the widest sample.
     const WIDEST: usize = 8;
     let [columns, rows] = size;
@@ -146,23 +223,19 @@ fn numbers(decoder: Decoder<Cursor<&[u8]>>, size: [usize; 2], length: usize) -> 
     limits.intermediate_buffer_size = count * WIDEST + length;
     limits.ifd_value_size = length;
     let samples = decoder.with_limits(limits).read_image().map_err(explain)?;
-    let all = |samples: Vec<f64>, largest: f64| {
-        let scaled = |x: f64| if largest.is_finite() { x / largest } else { x };
-        (samples.into_iter().map(scaled).collect::<Vec<f64>>(), largest)
-    };
     let float = f64::INFINITY;
     let (samples, largest) = match samples {
-        DecodingResult::U8(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u8::MAX)),
-        DecodingResult::U16(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u16::MAX)),
-        DecodingResult::U32(s) => all(s.into_iter().map(f64::from).collect(), f64::from(u32::MAX)),
-        DecodingResult::U64(s) => all(s.into_iter().map(|x| x as f64).collect(), u64::MAX as f64),
-        DecodingResult::I8(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i8::MAX)),
-        DecodingResult::I16(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i16::MAX)),
-        DecodingResult::I32(s) => all(s.into_iter().map(f64::from).collect(), f64::from(i32::MAX)),
-        DecodingResult::I64(s) => all(s.into_iter().map(|x| x as f64).collect(), i64::MAX as f64),
-        DecodingResult::F16(s) => all(s.into_iter().map(f64::from).collect(), float),
-        DecodingResult::F32(s) => all(s.into_iter().map(f64::from).collect(), float),
-        DecodingResult::F64(s) => all(s, float),
+        DecodingResult::U8(s) => (s.into_iter().map(f64::from).collect(), f64::from(u8::MAX)),
+        DecodingResult::U16(s) => (s.into_iter().map(f64::from).collect(), f64::from(u16::MAX)),
+        DecodingResult::U32(s) => (s.into_iter().map(f64::from).collect(), f64::from(u32::MAX)),
+        DecodingResult::U64(s) => (s.into_iter().map(|x| x as f64).collect(), u64::MAX as f64),
+        DecodingResult::I8(s) => (s.into_iter().map(f64::from).collect(), f64::from(i8::MAX)),
+        DecodingResult::I16(s) => (s.into_iter().map(f64::from).collect(), f64::from(i16::MAX)),
+        DecodingResult::I32(s) => (s.into_iter().map(f64::from).collect(), f64::from(i32::MAX)),
+        DecodingResult::I64(s) => (s.into_iter().map(|x| x as f64).collect(), i64::MAX as f64),
+        DecodingResult::F16(s) => (s.into_iter().map(f64::from).collect(), float),
+        DecodingResult::F32(s) => (s.into_iter().map(f64::from).collect(), float),
+        DecodingResult::F64(s) => (s, float),
     };
     if samples.len() != count {
         return Err(damaged(format!("it holds {} samples instead of {count}", samples.len())));
@@ -210,6 +283,11 @@ fn distances(decoder: &mut Decoder<Cursor<&[u8]>>) -> [Option<f64>; 2] {
     let first = text.lines().next().unwrap_or_default();
     if let Some((x, y)) = first.strip_prefix(OWN).and_then(|rest| rest.trim().split_once(" x ")) {
         return [x, y].map(|d| spacing(d.parse().ok()?, 1));
+    }
+    if text.contains("OME")
+        && let [Some(x), Some(y)] = ['X', 'Y'].map(|axis| ome(&text, axis))
+    {
+        return [Some(x), Some(y)];
     }
     let resolution_unit = decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit).ok().flatten();
     // ImageJ writes pixels per ImageJ unit; `yunit` is present only if it differs.

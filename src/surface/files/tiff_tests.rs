@@ -35,11 +35,9 @@ fn file(big_endian: bool, big: bool, entries: &[(u16, u16, u32)], data: &[u8]) -
     for (tag, kind, value) in all {
         put(&mut bytes, &tag.to_le_bytes());
         put(&mut bytes, &kind.to_le_bytes());
-        if big {
-            put(&mut bytes, &1_u64.to_le_bytes());
-        } else {
-            put(&mut bytes, &1_u32.to_le_bytes());
-        }
+        // A text fills the field of its entry.
+        let count: u64 = if kind == 2 { 4 } else { 1 };
+        put(&mut bytes, &count.to_le_bytes()[..if big { 8 } else { 4 }]);
         let before = bytes.len();
         match kind {
             3 => put(&mut bytes, &(value as u16).to_le_bytes()),
@@ -150,15 +148,6 @@ fn counting_from_white_and_sizes_that_lie_are_refused() {
 }
 
 #[test]
-fn a_scan_of_jpk_is_refused_instead_of_its_thumbnail() {
-    let mut entries = grey(8, 1, 1);
-    assert!(read(&file(false, false, &entries, &[0; 6])).is_ok());
-    entries.push((JPK_WIDTH, 4, 1));
-    let e = read(&file(false, false, &entries, &[0; 6])).err().unwrap().to_string();
-    assert!(e.contains("JPK") && e.contains(".gsf"), "{e}");
-}
-
-#[test]
 fn codes_that_count_from_white_are_refused() {
     for bits in [8, 16] {
         let data = vec![1u8; 6 * bits as usize / 8];
@@ -176,4 +165,34 @@ fn imagej_s_units_count_for_each_axis_and_for_values() {
     assert_eq!(image_j(text, "yunit").as_deref(), Some("nm"));
     assert_eq!(image_j(text, "vunit").as_deref(), Some("nm"));
     assert_eq!(image_j("unit=nm", "unit"), None);
+}
+
+#[test]
+fn tags_say_which_code_is_the_largest_and_which_is_none() {
+    let stored: Vec<u8> = [0_u16, 4095, 7, 2048, 1, 2].iter().flat_map(|n| n.to_le_bytes()).collect();
+    for tag in [281, 341] {
+        let entries = [&grey(16, 1, 1)[..], &[(tag, 3, 4095)]].concat();
+        let bytes = file(false, false, &entries, &stored);
+        let scan = read(&bytes).unwrap();
+        assert!(scan.notes[0].contains("4095 by the file's tag"), "{:?}", scan.notes);
+        let (_, quantity, .., samples) = only(Ok(scan));
+        assert_eq!((quantity, samples[1]), (Quantity::Code { largest: 4095.0 }, 1.0));
+    }
+    let entries = [&grey(16, 1, 1)[..], &[(281, 3, 4000)]].concat();
+    assert_eq!(only(read(&file(false, false, &entries, &stored))).1, Quantity::Code { largest: 65_535.0 });
+    // The text "7" stands in the entry.
+    let mut bytes =
+        file(false, false, &[&grey(16, 1, 1)[..], &[(42113, 2, u32::from(b'7'))]].concat(), &stored);
+    let (.., samples) = only(read(&bytes));
+    assert!(samples[2].is_nan() && (samples[3] - 2048.0 / 65_535.0).abs() < 1e-15);
+    bytes =
+        file(false, false, &[&grey(32, 3, 1)[..], &[(42113, 2, u32::from(b'6'))]].concat(), &floats(false));
+    assert!(only(read(&bytes)).4[5].is_nan());
+}
+
+#[test]
+fn physical_sizes_of_ome_are_micrometres_unless_they_have_a_unit() {
+    let text = "<?xml?><OME xmlns='x'><Image><Pixels Type=\"float\" PhysicalSizeX='0.25' PhysicalSizeY=\"500\" PhysicalSizeYUnit=\"nm\"/>";
+    assert_eq!([ome(text, 'X'), ome(text, 'Y'), ome(text, 'Z')], [Some(2.5e-7), Some(500.0 * 1e-9), None]);
+    assert_eq!(ome("<OME><Pixels PhysicalSizeX=\"-\">", 'X'), None);
 }

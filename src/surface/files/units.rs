@@ -70,6 +70,12 @@ pub fn number_with_unit(text: &str) -> Option<(f64, &str)> {
     Some((number, text[end..].trim()))
 }
 
+/// Parses a length with its unit, as in `12.34 µm` \[m\].
+pub fn measured_length(text: &str) -> Option<f64> {
+    let (number, unit) = number_with_unit(text)?;
+    Some(number * length(unit)?)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@
 //! Some writers put everything into a folder inside the zip or leave the namespace away; both are read.
 
 use super::bytes::{Number, Order, damaged, decode_text};
+use super::format::Format;
 use super::scan::{Block, Channel, Decode, Quantity, Scan, size, spacing};
 use super::topography::Topography;
 use crate::error::{Error, Result};
@@ -28,6 +29,17 @@ const MOST_ATTRIBUTES: usize = 200;
 
 /// Name of the description.
 const MAIN: &str = "main.xml";
+
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "x3p",
+    title: "ISO 25178-72",
+    extensions: &["x3p"],
+    signature: |b| b.starts_with(MAGIC),
+    is_by_name: false,
+    read,
+    facts: ["yes", "yes", "NaN, infinity, empty entry, mask", "written, too; 64-bit floats"],
+};
 
 /// Reads the file in `bytes`.
 ///

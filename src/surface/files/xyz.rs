@@ -1,6 +1,7 @@
 //! Points of a regular grid as text (.xyz): x, y and height in metres, a point a line, in any order. y grows upwards.
 
-use super::bytes::{damaged, decode_text};
+use super::bytes::damaged;
+use super::format::{Format, no_signature};
 use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, TextTable};
 use crate::error::{Error, Result};
@@ -14,12 +15,28 @@ const AWAY: f64 = 0.1;
 /// Smallest number of measured points of a grid, as a share of its nodes.
 const FEWEST: f64 = 0.25;
 
+/// The format.
+pub const FORMAT: Format = Format {
+    name: "xyz",
+    title: "points",
+    extensions: &["xyz"],
+    signature: no_signature,
+    is_by_name: true,
+    read,
+    facts: [
+        "its own coordinates, in metres",
+        "metres",
+        "nodes without a point",
+        "a regular grid in any order",
+    ],
+};
+
 /// Reads the file in `bytes`. Nodes without a point were not measured.
 ///
 /// # Errors
 /// Those of [`table::parse`]; other than three numbers a line; points that are no regular grid.
 pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
-    grid(&table::parse(&decode_text(bytes))?)
+    grid(&table::parse(&table::decoded(bytes))?)
 }
 
 /// Returns the grid of the points in `table`.
