@@ -26,6 +26,7 @@ pub mod npy;
 pub mod park;
 pub mod picoview;
 pub mod plausible;
+pub mod profile;
 pub mod scan;
 pub mod sdf;
 pub mod sensofar;

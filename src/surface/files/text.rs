@@ -10,7 +10,7 @@ use super::scan::{Channel, Quantity, Scan, size, spacing};
 use super::table::{self, TextTable};
 use super::text_head::TextHead;
 use super::topography::Topography;
-use super::{units, xyz};
+use super::{profile, units, xyz};
 use crate::error::{Error, Result};
 use crate::notes::{self, Notes};
 use std::io::{self, Write};
@@ -52,11 +52,17 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     {
         return Ok(scan);
     }
+    if head.counts.is_none()
+        && let Some(scan) = profile::read(&table)?
+    {
+        return Ok(scan);
+    }
+    let is_narrow = table.columns == 2 && head.counts.is_none() && table.numbers.len() > 4;
     let TextTable { mut columns, mut numbers, head: lines, titled } = table;
     if titled {
         return Err(Error::input(
-            "is a table with named columns and no matrix",
-            "write a line for each row of heights",
+            "is a table with named columns and neither a matrix nor a profile, whose places grow from row to row",
+            "write a line for each row of heights, or a column of places and one of heights",
         ));
     }
     let matrices = if head.has_mask { 2 } else { 1 };
@@ -82,7 +88,15 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     }
     let decode = Box::new(move || Ok(numbers));
     let (name, unit) = (head.name, head.unit);
-    Ok(Scan::single(head.format, Channel { name, unit, size, spacing, quantity, prepared, decode }))
+    let mut scan =
+        Scan::single(head.format, Channel { name, unit, size, spacing, quantity, prepared, decode });
+    if is_narrow {
+        scan.notes.push(
+            "the two columns are heights of a matrix, because the first does not grow as the places of a profile do: is that meant?"
+                .to_owned(),
+        );
+    }
+    Ok(scan)
 }
 
 /// Returns the grid of points that a table of three columns may be, one at every node. No matrix of heights is such a grid by chance.
