@@ -53,9 +53,12 @@ fn own_limits() -> Option<(String, String)> {
 /// Returns the memory that is available without swapping: the lowest of the system's estimate, the limit of the control group, and the rest
 /// of the process limit (`ulimit -v`).
 fn available() -> Option<u64> {
+    /// Address space that threads take for themselves between a check and its allocation \[bytes\].
+    const OF_OTHERS: u64 = 8 << 20;
     let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| meminfo_available(&text));
     let group = group_available();
     let process = own_limits().and_then(|(limits, status)| own_available(&limits, &status));
+    let process = process.map(|room| room.saturating_sub(OF_OTHERS));
     system.into_iter().chain(group).chain(process).min()
 }
 
