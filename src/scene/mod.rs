@@ -5,6 +5,7 @@ pub mod corner;
 pub mod display_settings;
 pub mod environment;
 mod environment_cells;
+mod exr_header;
 pub mod far_light;
 pub mod incident;
 pub mod lamp;
