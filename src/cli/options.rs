@@ -2,6 +2,7 @@
 
 mod display;
 mod figure;
+mod mesh;
 mod preparation;
 mod reflectance;
 mod surface_options;
@@ -9,6 +10,7 @@ mod view;
 
 pub use display::Exposure;
 pub use figure::FigureOptions;
+pub use mesh::MeshOptions;
 #[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
 pub use reflectance::{ReflectanceOptions, ior};
