@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, light_by, real,
+    CacheOptions, ColourOptions, DeviceOptions, MeshOptions, OpticsOptions, SurfaceOptions, light_by, real,
 };
 use super::prepare;
 use super::progress::ProgressBar;
@@ -42,7 +42,7 @@ use std::sync::Arc;
 /// Scene, shading and device of a benchmark.
 #[derive(Args, Clone, Debug)]
 pub struct BenchmarkOptions {
-    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj, .gltf, .glb, .ply, .stl)
     #[arg(default_value = "snake")]
     pub scene: OsString,
     /// Width and height in pixels
@@ -51,6 +51,8 @@ pub struct BenchmarkOptions {
     /// A light instead of the scene's lights and surroundings, in degrees from up and around it; may be given several times
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     pub light: Vec<Light>,
+    #[command(flatten)]
+    pub mesh: MeshOptions,
     #[command(flatten)]
     pub surface: SurfaceOptions,
     #[command(flatten)]
@@ -176,7 +178,7 @@ impl BenchmarkScene {
     pub fn open(options: &BenchmarkOptions, console: &Console) -> Result<Self> {
         check_method(options)?;
         options.optics.for_pictures(&options.colour, console)?;
-        let mut scene = prepare::scene(console, &options.scene)?;
+        let mut scene = prepare::scene(console, &options.scene, &options.mesh.overrides())?;
         light_by(&options.light, &mut scene);
         for light in scene.lights.iter_mut().filter(|light| light.spectrum.is_some()) {
             console.say(&format_args!(

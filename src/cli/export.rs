@@ -19,6 +19,7 @@ use crate::export::{
 use crate::files::Files;
 use crate::input;
 use crate::optics::spectrum::SHORTEST;
+use crate::scene::SceneOverrides;
 use crate::settings::{Method, Optics};
 use crate::table::TableHeader;
 use crate::units;
@@ -53,7 +54,7 @@ pub struct Arguments {
     /// Page that shows the material in a browser with WebGL 2: one file of at most 10 MB, which loads nothing. It holds at most 6.7 MB of texels
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Mesh that the page shows beside its sphere, disc and plate: a built-in scene (snake, plate, sphere, disc, cd, skin), a mesh (.obj), or a
+    /// Mesh that the page shows beside its sphere, disc and plate: a built-in scene (snake, plate, sphere, disc, cd, skin), a mesh (.obj, .gltf, .glb, .ply, .stl), or a
     /// scene file (.toml), whose first object it is. It takes at most 5 of the 6.7 MB: about 300000 triangles
     #[arg(long, value_name = "SCENE", requires = "html", hide_short_help = true)]
     mesh: Option<OsString>,
@@ -143,7 +144,7 @@ fn limit_line(header: &TableHeader) -> String {
 
 /// Opens the first object of the scene or mesh called `name`, and checks that none of its files is one of those that are written.
 fn page_mesh(name: &OsStr, files: &Files, console: &Console) -> Result<PageMesh> {
-    let scene = prepare::scene(console, name)?;
+    let scene = prepare::scene(console, name, &SceneOverrides::default())?;
     files.clone().reads(&scene.files).check()?;
     let object = scene.main_object();
     PageMesh::new(&object.mesh, &object.grooves).map_err(|e| e.at(name.display()))

@@ -2,6 +2,7 @@
 
 mod display;
 mod figure;
+mod mesh;
 mod preparation;
 mod reflectance;
 mod surface_options;
@@ -9,6 +10,7 @@ mod view;
 
 pub use display::Exposure;
 pub use figure::FigureOptions;
+pub use mesh::MeshOptions;
 #[cfg(any(feature = "viewer", test))] // for scene files that the viewer saves
 pub use preparation::as_options;
 pub use reflectance::{ReflectanceOptions, ior};
@@ -164,8 +166,9 @@ impl OpticsOptions {
     ///
     /// # Errors
     /// Options that do not go together, with the remedy.
-    pub fn for_wavelengths(&self, field: &HeightField) -> Result<Optics> {
+    pub fn for_wavelengths(&self, field: &HeightField, console: &Console) -> Result<Optics> {
         self.check()?;
+        self.surface_reflectance.tell(console);
         let mut optics = self.beyond_of(field, self.with_basis(Basis::Taylor));
         optics.basis = self.basis.unwrap_or_else(|| optics.suited_basis(field));
         optics.checked()
@@ -181,7 +184,7 @@ impl OpticsOptions {
         field: &HeightField,
         console: &Console,
     ) -> Result<Optics> {
-        colour.of(self.for_wavelengths(field)?, console)?.checked()
+        colour.of(self.for_wavelengths(field, console)?, console)?.checked()
     }
 
     /// Returns the settings for pictures.
@@ -190,6 +193,7 @@ impl OpticsOptions {
     /// Options that do not go together, with the remedy; a spectrum that cannot be read.
     pub fn for_pictures(&self, colour: &ColourOptions, console: &Console) -> Result<Optics> {
         self.check()?;
+        self.surface_reflectance.tell(console);
         let optics = self.with_basis(self.basis_of_pictures()).for_pictures();
         colour.of(Optics { method: self.picture_method(), ..optics }, console)?.checked()
     }

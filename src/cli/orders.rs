@@ -117,6 +117,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         .writes([&arguments.output, &arguments.json, &arguments.plot].into_iter().flatten())
         .check()?;
     arguments.surface_reflectance.check()?;
+    arguments.surface_reflectance.tell(console);
     let sweep = arguments.sweep.as_deref().map(Sweep::parse).transpose()?;
     if let Some(sweep) = &sweep {
         arguments.check_sweep(sweep)?;

@@ -8,7 +8,7 @@ use crate::brdf::energy_map::EnergyMapHeader;
 use crate::error::Result;
 use crate::optics::sampling::{self, Limit};
 use crate::render::source::Source;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneOverrides};
 use crate::settings::Method;
 use crate::setup::{self, InUse, SourceSettings};
 use crate::surface::HeightField;
@@ -30,10 +30,13 @@ pub fn check(device: &Device) -> Result<()> {
     check_validation(&device.instance().messages())
 }
 
-/// Opens the scene called `name`, with a progress bar while the mesh file is read.
-pub fn scene(console: &Console, name: &OsStr) -> Result<Scene> {
+/// Opens the scene called `name` with `overrides`, with a progress bar while the mesh file is read, and tells its notes.
+pub fn scene(console: &Console, name: &OsStr, overrides: &SceneOverrides) -> Result<Scene> {
     let bar = ProgressBar::new(console, "mesh", "a mesh of fewer triangles");
-    Scene::open_telling(name, &bar.task())
+    let scene = Scene::open_telling(name, overrides, &bar.task())?;
+    drop(bar);
+    scene.notes().iter().for_each(|note| console.say(note));
+    Ok(scene)
 }
 
 /// Returns the source of `field` under `settings` on `device`: one of `in_use`, from the cache, or made with a progress bar.

@@ -4,7 +4,8 @@ use super::console::Console;
 use super::exported::ExportedTable;
 use super::finished::{self, KeptPicture, SequenceOrigin};
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, sample_pixels,
+    CacheOptions, ColourOptions, DeviceOptions, MeshOptions, OpticsOptions, SurfaceOptions, ViewOptions,
+    sample_pixels,
 };
 use super::progress::ProgressBar;
 use super::sequence::SequenceOptions;
@@ -51,7 +52,7 @@ use std::sync::Arc;
   diffract render --turntable 120 -o turn.png          once around the snake: turn-0000.png to turn-0119.png
   diffract render --light-sweep 90 --frames 0..45 -o sun.png   the first half of a turn of the lights")]
 pub struct Arguments {
-    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj, .gltf, .glb, .ply, .stl)
     #[arg(default_value = "snake")]
     scene: OsString,
     /// Output file: .png as displayed, .exr linear and signed, premultiplied; alpha is the coverage of the pixel, in a .png before
@@ -63,6 +64,8 @@ pub struct Arguments {
     size: [u32; 2],
     #[command(flatten)]
     view: ViewOptions,
+    #[command(flatten)]
+    mesh: MeshOptions,
     /// Samples a pixel, each with the camera moved inside the pixel: 1 to 4096; 1 looks at pixel centres only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "16")]
     samples: u32,
@@ -108,6 +111,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         .reads(arguments.colour.files())
         .reads(arguments.optics.files())
         .reads(arguments.view.files())
+        .reads(arguments.mesh.files())
         .writes(outputs);
     files.check()?;
     let optics = arguments.optics.for_pictures(&arguments.colour, console)?;
@@ -120,7 +124,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     if arguments.table.is_some() && optics.method != Method::Table {
         return Err(Error::usage("--table reads a colour table", Remedy::TableMethod));
     }
-    let mut scene = prepare::scene(console, &arguments.scene)?;
+    let mut scene = prepare::scene(console, &arguments.scene, &arguments.mesh.overrides())?;
     files.reads(&scene.files).check()?;
     arguments.view.apply(&mut scene, console)?;
     let field = Arc::new(arguments.surface.load(None, Some(&scene), "elaphe", console)?);

@@ -167,6 +167,9 @@ fn info(arguments: &Info, console: &Console) -> Result<()> {
     if names.len() > 1 && arguments.plot.is_some() {
         return Err(Error::usage("a figure is of one surface", "name one, or leave --plot away"));
     }
+    if let Some(note) = arguments.material.as_ref().and_then(Material::note) {
+        console.say(&note);
+    }
     let material = arguments.reflectance().file();
     let files = names.iter().map(OsString::as_os_str).map(Some).chain(names.is_empty().then_some(None));
     for name in files.clone() {

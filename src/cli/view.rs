@@ -2,7 +2,7 @@
 
 use super::console::Console;
 use super::options::{
-    CacheOptions, ColourOptions, DeviceOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
+    CacheOptions, ColourOptions, DeviceOptions, MeshOptions, OpticsOptions, SurfaceOptions, ViewOptions, real,
 };
 use super::{check_validation, last_view, prepare, scene_options, usage_error, view_command};
 use crate::error::{Error, Result};
@@ -25,7 +25,7 @@ Left drag orbits, right drag moves the light, the wheel zooms. F1 lists all keys
 S saves the picture with the `diffract render` that draws the same.
 The next window offers to continue where this one was closed.")]
 pub struct Arguments {
-    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj, .gltf, .glb, .ply, .stl)
     #[arg(default_value = "snake")]
     scene: OsString,
     /// Width and height of the window in pixels, times the scale of the display
@@ -42,6 +42,8 @@ pub struct Arguments {
     present: Present,
     #[command(flatten)]
     view: ViewOptions,
+    #[command(flatten)]
+    mesh: MeshOptions,
     #[command(flatten)]
     surface: SurfaceOptions,
     #[command(flatten)]
@@ -104,7 +106,7 @@ pub fn start(arguments: &Arguments, console: &Console) -> Result<Start> {
         ));
     }
     utf8(&arguments.colour.illuminant)?;
-    let mut plain = prepare::scene(console, &arguments.scene)?;
+    let mut plain = prepare::scene(console, &arguments.scene, &arguments.mesh.overrides())?;
     let mut scene = plain.clone();
     let optics = arguments.optics.material_of(&scene, optics);
     arguments.view.apply(&mut scene, console)?;

@@ -9,7 +9,7 @@ use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::optics::theory::Theory;
 use crate::output;
 use crate::picture_file::quoted;
-use crate::scene::{DisplaySettings, Scene};
+use crate::scene::{DisplaySettings, Grooves, Scene, SceneOverrides};
 use crate::surface::SurfaceSource;
 use crate::surface::prepare::{Levelling, PreparationStep};
 use crate::viewer::{Output, ViewSettings};
@@ -107,6 +107,7 @@ impl Words {
             words.option("rotate-environment", format!("{}deg", placement.rotation));
             words.option("environment-exposure", placement.exposure.to_string());
         }
+        words.overrides(&scene.overrides);
         if !scene.shadows {
             words.option("shadows", "off");
         }
@@ -127,6 +128,23 @@ impl Words {
             if camera.field_of_view != scene.camera.field_of_view {
                 words.option("field-of-view", format!("{}deg", f64::from(camera.field_of_view).to_degrees()));
             }
+        }
+    }
+
+    /// Adds the options that the scene was opened with.
+    fn overrides(&mut self, overrides: &SceneOverrides) {
+        if let Some(micrometres) = overrides.scale {
+            self.option("scale", format!("{micrometres}um"));
+        }
+        if let Some(up) = overrides.up {
+            self.option("up", up.name());
+        }
+        match &overrides.grooves {
+            None => {}
+            Some(Grooves::Along) => self.option("grooves", "0deg"),
+            Some(Grooves::Turned(angle)) => self.option("grooves", format!("{angle}deg")),
+            Some(Grooves::Radial) => self.option("grooves", "radial"),
+            Some(Grooves::Map(file)) => self.option("grooves", file.to_string_lossy()),
         }
     }
 
@@ -208,6 +226,7 @@ impl Words {
 mod tests {
     use super::*;
     use crate::optics::color::Tone;
+    use crate::scene::object::Up;
     use crate::settings::Optics;
     use crate::viewer::settings_of_a_plate as settings;
 
@@ -243,6 +262,9 @@ mod tests {
         let display = DisplaySettings { tone: Tone::None, ..scene.display };
         let hard = Scene { display, ..scene.clone() };
         assert!(!render(&s, &hard, &OUTPUT).contains("--tone"));
+        let overrides = SceneOverrides { scale: Some(5e4), up: Some(Up::Z), grooves: Some(Grooves::Radial) };
+        let given = render(&s, &Scene { overrides, ..scene.clone() }, &OUTPUT);
+        assert!(given.contains("--scale 50000um --up z --grooves radial"), "{given}");
         s.tone = Tone::Neutral;
         assert!(render(&s, &hard, &OUTPUT).contains("--tone neutral"));
         s.surface.name = "my scan's.png".into();

@@ -3,18 +3,18 @@
 use crate::error::{Error, Result};
 use crate::scene::environment::{Environment, Placement};
 use crate::scene::object::{MeshSource, Pose, Up, check_colors};
-use crate::scene::{Background, Bounds, Camera, Corner, Grooves, Light, Mesh, Object, Scene};
+use crate::scene::{Background, Bounds, Camera, Corner, Grooves, Light, Mesh, Object, Scene, SceneOverrides};
 use crate::surface::SurfaceSource;
 use crate::task::Task;
 use std::path::Path;
 
 impl Scene {
-    /// Opens a built-in scene by name, a scene file, or an OBJ file that the camera and the lights of the scene `sphere` show.
+    /// Opens a built-in scene by name, a scene file, or a mesh file that the camera and the lights of the scene `sphere` show.
     ///
     /// # Errors
     /// Fails for a name that is neither, and for a file that holds no scene; the message tells the place and the remedy.
     pub fn open(name: impl AsRef<Path>) -> Result<Self> {
-        Self::open_telling(name.as_ref().as_os_str(), &Task::silent())
+        Self::open_telling(name.as_ref().as_os_str(), &SceneOverrides::default(), &Task::silent())
     }
 
     /// Returns a scene of `objects`, the first of which has the surface that pictures are drawn with, lit from 30° by a light of intensity 1 and seen from in front.
@@ -100,6 +100,7 @@ impl Object {
             base_color: glam::Vec3::ZERO,
             pigment: None,
             is_ground: false,
+            mesh_notes: Vec::new(),
         }
     }
 

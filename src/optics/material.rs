@@ -1,6 +1,7 @@
 //! Materials: complex refractive indices n + ik over the visible range.
 
-use super::spectrum::{LONGEST, SHORTEST, SpectralTable};
+use super::material_table;
+use super::spectrum::{LONGEST, NM_PER_UM, SHORTEST, SpectralTable};
 use crate::error::{Error, Result};
 use rustfft::num_complex::Complex64;
 use serde::Serialize;
@@ -22,8 +23,6 @@ const TABLES: [(&str, &str); 6] = [
     ("nickel", include_str!("../../assets/materials/nickel.csv")),
     ("silicon", include_str!("../../assets/materials/silicon.csv")),
 ];
-
-const NM_PER_UM: f64 = 1e3;
 
 /// Material with a complex refractive index.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -62,10 +61,12 @@ impl Material {
         Self { name: n.to_string(), index: Index::Constant(n) }
     }
 
-    /// Returns a built-in material by name, or reads a CSV file of wavelength \[nm\], n and k; without k the material absorbs nothing.
+    /// Returns a built-in material by name, or reads a CSV file of wavelength \[nm or µm\], n and k in the forms of [`material_table`]; without k the material
+    /// absorbs nothing. The first and the last index of a table hold over the rest of 380 to 780 nm, and that of a single wavelength over all of it, as
+    /// [`Self::note`] tells.
     ///
     /// # Errors
-    /// Fails if the file cannot be read, is no such table, does not cover 380 to 780 nm, or has values that no material has.
+    /// Fails if the file cannot be read, is no such table, holds no visible wavelength of several, or has values that no material has.
     pub fn from_name_or_file(name: impl AsRef<OsStr>) -> Result<Self> {
         let name = name.as_ref();
         let known = |known_name: &str| {
@@ -97,24 +98,20 @@ impl Material {
     fn from_file(path: &Path) -> Result<Self> {
         let text = crate::input::read_text(
             path,
-            &format!("{} or a CSV file of wavelength in nm, n and k", BUILT_IN.join(", ")),
+            &format!("{} or a CSV file of wavelength in nm or µm, n and k", BUILT_IN.join(", ")),
         )?;
         Self::from_text(&path.to_string_lossy(), &text).map_err(|e| e.at(path.display()))
     }
 
-    /// Parses the text of a CSV file of wavelength \[nm\], n and k as the material `name`.
+    /// Parses the text of a CSV file of wavelength, n and k as the material `name`.
     ///
     /// # Errors
     /// Same as [`Self::from_name_or_file`].
     pub fn from_text(name: &str, text: &str) -> Result<Self> {
-        check_columns(text)?;
-        let of_three = SpectralTable::<2>::parse(text);
-        let table = of_three.or_else(|e| {
-            let of_two = SpectralTable::<1>::parse(text).map_err(|_| e)?; // neither three columns nor two
-            Ok::<_, Error>(of_two.map(|[n]| [n, 0.0]))
-        })?;
+        let table = material_table::read(text)?;
         let [first, last] = table.ends();
-        if first > NM_PER_UM * SHORTEST || last < NM_PER_UM * LONGEST {
+        let is_visible = first < NM_PER_UM * LONGEST && last > NM_PER_UM * SHORTEST;
+        if !is_visible && first < last {
             return Err(Error::input(
                 format!("the refractive index is given from {first} to {last} nm"),
                 "give it from 380 to 780 nm",
@@ -135,13 +132,31 @@ impl Material {
         if let Index::Constant(n) = self.index { Some(n) } else { None }
     }
 
-    /// Returns the shortest and the longest wavelength for which the index is known \[µm\].
+    /// Returns a note on wavelengths for which the table has no index, and gets that of an end; `None` if there are none.
+    pub fn note(&self) -> Option<String> {
+        let Index::Table(table) = &self.index else { return None };
+        let [first, last] = table.ends();
+        let covers = first <= NM_PER_UM * SHORTEST && last >= NM_PER_UM * LONGEST;
+        (!covers).then(|| {
+            let given = if first < last {
+                format!("is given from {first} to {last} nm, and its ends hold")
+            } else {
+                format!("is given at {first} nm alone, and holds")
+            };
+            format!("{}: the refractive index {given} for the rest of 380 to 780 nm", self.name)
+        })
+    }
+
+    /// Returns the shortest and the longest wavelength for which the index is known or held \[µm\].
     pub fn range(&self) -> [f64; 2] {
         match &self.index {
             Index::Constant(_) => [0.0, f64::INFINITY],
             Index::Sellmeier(_) => SELLMEIER_RANGE,
             Index::Cauchy(_) => CAUCHY_RANGE,
-            Index::Table(table) => table.ends().map(|nm| nm / NM_PER_UM),
+            Index::Table(table) => {
+                let [first, last] = table.ends().map(|nm| nm / NM_PER_UM);
+                [first.min(SHORTEST), last.max(LONGEST)]
+            }
         }
     }
 
@@ -179,30 +194,13 @@ impl Material {
             }
             Index::Cauchy([a, b]) => (a + b / squared).into(),
             Index::Table(table) => {
-                // Clamped, because the last wavelength may be rounded beyond the table.
+                // The ends hold beyond the table.
                 let [first, last] = table.ends();
                 let [n, k] = table.at((wavelength * NM_PER_UM).clamp(first, last));
                 Complex64::new(n, k)
             }
         }
     }
-}
-
-/// Fails if the first line of `text` names columns in another order than wavelength, n, k.
-fn check_columns(text: &str) -> Result<()> {
-    let first = text.trim_start_matches('\u{feff}').lines().next().unwrap_or_default();
-    // A unit may follow the name, as in `wavelength [nm]`.
-    let name = |cell: &str| cell.split_whitespace().next().unwrap_or_default().to_ascii_lowercase();
-    let names: Vec<String> = first.split(',').map(name).collect();
-    let is_at =
-        |place: usize, known: &str| names.iter().position(|name| name == known).is_none_or(|p| p == place);
-    if is_at(1, "n") && is_at(2, "k") && is_at(0, "wavelength") {
-        return Ok(());
-    }
-    Err(Error::input(
-        format!("line 1: the columns are {}", names.join(", ")),
-        "write the columns wavelength (nm), n and k, in this order",
-    ))
 }
 
 #[cfg(test)]
@@ -233,11 +231,34 @@ mod tests {
     #[test]
     fn tables_that_no_material_has_are_refused() {
         let refused = |text: &str| Material::from_text("m", text).unwrap_err().to_string();
-        assert!(refused("400,1.5\n780,1.5\n").contains("400 to 780"), "{}", refused("400,1.5\n780,1.5\n"));
+        assert!(refused("800,1.5\n980,1.5\n").contains("800 to 980"), "{}", refused("800,1.5\n980,1.5\n"));
         assert!(refused("380,0,1\n780,1,1\n").contains("0 to 100"));
         assert!(refused("380,1,-1\n780,1,1\n").contains("negative"));
         assert!(refused("nm,n,k\n380,1,x\n780,1,1\n").contains("line 2"));
         let lossless = Material::from_text("m", "380,1.5\n780,1.7\n").unwrap();
         assert!((lossless.index(0.58) - Complex64::new(1.6, 0.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_ends_of_a_table_hold_over_visible_light_and_are_told() {
+        let table = Material::from_text("m.csv", "wl,n\n0.4,1.5\n0.7,1.7\nwl,k\n0.4,0.1\n0.7,0.3\n").unwrap();
+        assert_eq!(table.range(), [SHORTEST, LONGEST]);
+        for (wavelength, n, k) in [(0.38, 1.5, 0.1), (0.55, 1.6, 0.2), (0.78, 1.7, 0.3)] {
+            assert!((table.index(wavelength) - Complex64::new(n, k)).norm() < 1e-12, "{wavelength}");
+        }
+        let note = table.note().unwrap();
+        assert!(
+            note.contains("m.csv") && note.contains("from 400 to 700 nm") && note.contains("ends hold"),
+            "{note}"
+        );
+        let laser = Material::from_text("m.csv", "wavelength,n,k\n1064,0.3,7\n").unwrap();
+        assert_eq!(
+            (laser.index(0.5), laser.index(1.064)),
+            (Complex64::new(0.3, 7.0), Complex64::new(0.3, 7.0))
+        );
+        assert!(laser.check_wavelength(1.064).is_ok() && laser.check_wavelength(2.0).is_err());
+        assert!(laser.note().unwrap().contains("at 1064 nm alone"), "{:?}", laser.note());
+        assert_eq!(Material::from_text("m", "380,1\n780,1\n").unwrap().note(), None);
+        assert!(BUILT_IN.iter().all(|name| Material::from_name_or_file(name).unwrap().note().is_none()));
     }
 }

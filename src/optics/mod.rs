@@ -12,6 +12,7 @@ pub mod factor;
 pub mod geometry;
 pub mod grating;
 pub mod material;
+mod material_table;
 pub mod nufft;
 pub mod orders;
 pub mod polarisation;

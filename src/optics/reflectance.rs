@@ -234,6 +234,14 @@ impl Reflectance {
         }
     }
 
+    /// Returns the note of the material; see [`Material::note`].
+    pub fn note(&self) -> Option<String> {
+        match self {
+            Self::Schlick(_) => None,
+            Self::Fresnel { material, .. } => material.note(),
+        }
+    }
+
     /// Returns R at `wavelength` \[µm\] and the cosine `cos_half_angle` between either direction and the half vector.
     pub fn at(&self, wavelength: f64, cos_half_angle: f64) -> f64 {
         match self {

@@ -18,7 +18,8 @@ pub const MIDDLE: f64 = 0.55;
 /// Distance of wavelengths to which a user's illuminant is resolved \[nm\]: colour integrals sample it 0.02 to 0.2 nm apart. A narrower line is spread over two
 /// neighbours.
 const RESOLUTION: f64 = 0.5;
-const NM_PER_UM: f64 = 1e3;
+/// Nanometres of a micrometre.
+pub const NM_PER_UM: f64 = 1e3;
 /// Peak of the blue colour function z̄ of the CIE 1931 observer \[µm\], rounded: coherence blurs directions least there.
 pub const BLUE: f64 = 0.45;
 
@@ -44,6 +45,21 @@ impl<const N: usize> SpectralTable<N> {
     /// A row that is not N + 1 finite numbers, wavelengths that do not increase, fewer than two rows; the message
     /// names the line.
     pub fn parse(text: &str) -> Result<Self> {
+        let table = Self::parse_rows(text)?;
+        if table.wavelengths.len() < 2 {
+            return Err(Error::input(
+                "the spectrum has fewer than two rows",
+                "give at least two wavelengths",
+            ));
+        }
+        Ok(table)
+    }
+
+    /// Reads CSV like [`Self::parse`], also of a single row.
+    ///
+    /// # Errors
+    /// Those of [`Self::parse`], and no row at all.
+    pub fn parse_rows(text: &str) -> Result<Self> {
         let mut table = Self { wavelengths: Vec::new(), values: Vec::new() };
         let text = text.strip_prefix('\u{feff}').unwrap_or(text); // spreadsheets write a byte order mark
         let mut reader = csv::ReaderBuilder::new()
@@ -83,13 +99,36 @@ impl<const N: usize> SpectralTable<N> {
             table.wavelengths.push(wavelength);
             table.values.push(values);
         }
-        if table.wavelengths.len() < 2 {
-            return Err(Error::input(
-                "the spectrum has fewer than two rows",
-                "give at least two wavelengths",
-            ));
+        if table.wavelengths.is_empty() {
+            return Err(Error::input("the table has no row", "give at least one wavelength"));
         }
         Ok(table)
+    }
+
+    /// Returns the table of the values of `of` at increasing `wavelengths` \[nm\].
+    pub fn sampled(wavelengths: Vec<f64>, of: impl Fn(f64) -> [f64; N]) -> Self {
+        Self { values: wavelengths.iter().map(|&x| of(x)).collect(), wavelengths }
+    }
+
+    /// Returns the wavelengths \[nm\].
+    pub fn wavelengths(&self) -> &[f64] {
+        &self.wavelengths
+    }
+
+    /// Returns the table with all wavelengths multiplied by `factor`.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.wavelengths.iter_mut().for_each(|x| *x *= factor);
+        self
+    }
+
+    /// Returns the rows up to a wavelength of `last` \[nm\], the first row in any case.
+    #[must_use]
+    pub fn up_to(mut self, last: f64) -> Self {
+        let count = self.wavelengths.partition_point(|x| *x <= last).max(1);
+        self.wavelengths.truncate(count);
+        self.values.truncate(count);
+        self
     }
 
     /// Returns the first and last wavelength \[nm\].

@@ -5,12 +5,12 @@
 
 use super::environment_cells::{Cell, LightSums};
 use super::incident::{Incident, WIDER};
-use super::radiance_header;
+use super::{exr_header, radiance_header};
 use crate::error::{Error, Result};
 use crate::input::PictureFile;
 use crate::memory;
 use crate::optics::color::LUMINANCE;
-use glam::{DQuat, DVec2, DVec3, Vec3};
+use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
 use image::ImageFormat;
 use std::f64::consts::{PI, TAU};
 use std::ffi::OsStr;
@@ -33,8 +33,8 @@ const LARGEST_WIDTH: usize = 2048;
 const LARGEST_SIDE: u32 = 1 << 14;
 /// Variance of the directions of a hemisphere, along each axis across its middle: the largest variance of a sample.
 const LARGEST_VARIANCE: f64 = 1.0 / 3.0;
-/// Largest radiance; above it, 32-bit sums lose their small parts.
-const LARGEST_RADIANCE: f32 = 1e9;
+/// Largest radiance: the largest 16-bit float, at which cameras and other programs clip theirs. A pixel beyond, infinite or a fault, would light the scene alone.
+const LARGEST_RADIANCE: f32 = 65504.0;
 
 /// Rotation and exposure of an environment map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -132,8 +132,8 @@ struct EnvironmentMap {
     extent: f64,
     /// Cosine and sine of the azimuth of each column.
     azimuths: Vec<DVec2>,
-    /// Number of pixels of the file whose radiance was NaN or out of range.
-    bounded: usize,
+    /// Pixels of the file that were changed.
+    changed: ChangedPixels,
 }
 
 impl Environment {
@@ -159,16 +159,25 @@ impl Environment {
         EnvironmentMap::from_bytes(bytes).map(|picture| Self::showing(name, picture))
     }
 
-    /// Returns a note about pixels of the file whose radiance was replaced; `None` if there are none.
+    /// Returns a note about pixels of the file whose radiance was changed; `None` if there are none.
     pub fn note(&self) -> Option<String> {
-        let count = self.picture.bounded;
-        let pixels = if count == 1 { "1 pixel is" } else { &format!("{count} pixels are") };
-        (count > 0).then(|| {
+        let ChangedPixels { unsound, outside } = self.picture.changed;
+        let pixels = |count: usize, one: &str, several: &str| match count {
+            1 => format!("1 pixel {one}"),
+            _ => format!("{count} pixels {several}"),
+        };
+        let unsound = (unsound > 0).then(|| {
+            let pixels = pixels(unsound, "is", "are");
             format!(
-                "{}: {pixels} negative, beyond {LARGEST_RADIANCE:.0e} or not a number; negative radiance and what is not a number count as black",
-                self.name
+                "{pixels} negative, not a number, infinite or beyond {LARGEST_RADIANCE}: negative radiance and what is not a number count as black, the rest as {LARGEST_RADIANCE}"
             )
-        })
+        });
+        let outside = (outside > 0).then(|| {
+            let pixels = pixels(outside, "has a colour", "have colours");
+            format!("{pixels} outside sRGB, whose negative parts count as 0")
+        });
+        let notes: Vec<String> = unsound.into_iter().chain(outside).collect();
+        (!notes.is_empty()).then(|| format!("{}: {}", self.name, notes.join("; ")))
     }
 
     fn showing(name: &str, picture: EnvironmentMap) -> Self {
@@ -319,7 +328,7 @@ impl EnvironmentMap {
             radiance.iter().zip(&light).map(|(c, light)| brightness(c.as_dvec3()) * light).sum();
         let extent = if weighed > 0.0 { all.powi(2) / weighed } else { 0.0 };
         let (light, azimuths) = (LightSums::new(width, &light), azimuths(width));
-        Self { width, height, radiance, light, extent, azimuths, bounded: 0 }
+        Self { width, height, radiance, light, extent, azimuths, changed: ChangedPixels::default() }
     }
 
     /// Returns the direction of the middle of a pixel, without rotation.
@@ -353,6 +362,7 @@ impl EnvironmentMap {
 
     /// Decodes the picture in the bytes of an .exr or .hdr file.
     fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let to_srgb = exr_header::to_linear_srgb(bytes)?;
         let [width, height] = PICTURE.size(bytes)?;
         if height == 0 || u64::from(width) != 2 * u64::from(height) {
             return Err(Error::input(
@@ -366,15 +376,43 @@ impl EnvironmentMap {
         memory::ensure_room(pixels.saturating_mul(BYTES), "the surroundings")?;
         let exposure = radiance_header::exposure(bytes)?.as_vec3();
         let texels = PICTURE.decode(bytes)?.into_rgb32f().into_raw();
-        let bounded = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, LARGEST_RADIANCE) };
-        let read = || texels.chunks_exact(3).map(|texel| Vec3::from_slice(texel) / exposure);
-        let colors: Vec<Vec3> = read().map(|colour| colour.map(bounded)).collect();
-        let changed = read().zip(&colors).filter(|(read, used)| read != *used).count();
-        let map = EnvironmentMap { bounded: changed, ..averaged(width as usize, height as usize, colors) };
+        let mut changed = ChangedPixels::default();
+        let texels = texels.chunks_exact(3).map(|texel| Vec3::from_slice(texel) / exposure);
+        let colors = texels.map(|texel| changed.bounded(texel, to_srgb)).collect();
+        let map = averaged(width as usize, height as usize, colors);
+        let map = Self { changed, ..map };
         if map.radiance.iter().all(|c| *c == Vec3::ZERO) {
             return Err(Error::input("the surroundings are black", "give a picture that holds light"));
         }
         Ok(map)
+    }
+}
+
+/// Numbers of pixels whose radiance in the file differs from that of the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct ChangedPixels {
+    /// Pixels that were NaN, negative, infinite or beyond [`LARGEST_RADIANCE`].
+    unsound: usize,
+    /// Other pixels whose colours are outside sRGB.
+    outside: usize,
+}
+
+impl ChangedPixels {
+    /// Returns the radiance of a `pixel` in linear sRGB, within 0 to [`LARGEST_RADIANCE`], and counts the pixel if that changes it.
+    fn bounded(&mut self, pixel: Vec3, to_srgb: Option<DMat3>) -> Vec3 {
+        /// Rounding of a colour at the edge of sRGB, relative to the largest channel.
+        const ROUNDING: f32 = 1e-5;
+        let finite = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(-LARGEST_RADIANCE, LARGEST_RADIANCE) };
+        let sound = pixel.map(finite);
+        let converted = to_srgb.map_or(sound, |matrix| (matrix * sound.as_dvec3()).as_vec3());
+        let is_negative = converted.min_element() < -ROUNDING * converted.max_element().max(0.0);
+        if sound != pixel || (to_srgb.is_none() && is_negative) || converted.max_element() > LARGEST_RADIANCE
+        {
+            self.unsound += 1;
+        } else if is_negative {
+            self.outside += 1;
+        }
+        converted.clamp(Vec3::ZERO, Vec3::splat(LARGEST_RADIANCE))
     }
 }
 
@@ -473,6 +511,22 @@ mod tests {
         let exposed = read("EXPOSURE=4\nCOLORCORR=1 2 0.5\n");
         let ratio = exposed / read("");
         assert!((ratio - DVec3::new(0.25, 0.125, 0.5)).length() < 1e-6, "{ratio}");
+    }
+
+    #[test]
+    fn colours_of_an_exr_are_converted_from_its_primaries() {
+        use super::exr_header::tests::{REC_2020, picture};
+        let read = |colour: [f32; 3], primaries| {
+            let environment = Environment::from_bytes("test.exr", &picture(colour, primaries)).unwrap();
+            (environment.radiance(DVec3::X), environment.note())
+        };
+        // ITU-R BT.2087-0: linear Rec. 709 (0, 1, 0) is (0.3293, 0.9195, 0.0880) in Rec. 2020.
+        let (green, _) = read([0.3293, 0.9195, 0.0880], Some(REC_2020));
+        assert!((green - DVec3::Y).length() < 5e-4, "{green}");
+        assert_eq!(read([1.0, 2.0, 3.0], None), (DVec3::new(1.0, 2.0, 3.0), None));
+        let (outside, note) = read([0.0, 1.0, 0.0], Some(REC_2020));
+        assert!(outside.x == 0.0 && outside.y > 1.1, "{outside}");
+        assert!(note.unwrap().contains("32 pixels have colours outside sRGB"));
     }
 
     #[test]
@@ -585,6 +639,8 @@ mod tests {
         image::DynamicImage::from(doubtful).write_to(&mut bytes, ImageFormat::OpenExr).unwrap();
         let environment = Environment::from_bytes("doubtful.exr", bytes.get_ref()).unwrap();
         assert!(environment.note().unwrap().contains("3 pixels are"), "{:?}", environment.note());
+        let brightest = environment.levels()[0].radiance.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+        assert_eq!(brightest, LARGEST_RADIANCE);
         assert_eq!(Environment::open("sky").unwrap().note(), None);
         let header = |size: &str| format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n").into_bytes();
         for size in ["-Y 0 +X 0", "-Y 8 +X 16", "-Y 16000 +X 32000", "-Y 2147483648 +X 4294967295"] {

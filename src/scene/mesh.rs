@@ -5,7 +5,7 @@ use super::{normals, tangents};
 use crate::error::{Error, Result};
 use crate::task::Task;
 use bytemuck::{Pod, Zeroable};
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::collections::HashMap;
 
 /// Largest number of triangles of a mesh: 5 GB while it is built, if no vertex is shared.
@@ -46,6 +46,18 @@ pub struct Mesh {
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
     bounds: Bounds,
+    directions: Directions,
+}
+
+/// Origin of the directions in which texture coordinates grow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Directions {
+    /// The texture coordinates of the mesh.
+    Given,
+    /// The sides of a box: a corner of the mesh has no texture coordinates.
+    Projected,
+    /// None: those of every triangle are equal or lie on a line.
+    Arbitrary,
 }
 
 #[doc(hidden)]
@@ -86,22 +98,38 @@ impl Mesh {
             ));
         }
         step(1)?;
+        let directions = Directions::of(&triangles);
         let corners = normals::complete(&triangles);
         drop(triangles);
         step(2)?;
         let tangents = tangents::generate(&corners);
         step(3)?;
-        Ok(weld(corners.iter().flatten().zip(tangents.iter().flatten()).map(|(corner, &tangent)| Vertex {
+        let vertices = corners.iter().flatten().zip(tangents.iter().flatten());
+        let mesh = weld(vertices.map(|(corner, &tangent)| Vertex {
             position: corner.position.to_array(),
             normal: corner.normal.to_array(),
             tangent,
             uv: corner.uv.to_array(),
-        })))
+        }));
+        Ok(Self { directions, ..mesh })
     }
 
     /// Returns a mesh with known frames. The caller guarantees the invariants of [`Mesh`].
     pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
-        Self { bounds: Bounds::of(vertices.iter()), vertices, indices }
+        Self { bounds: Bounds::of(vertices.iter()), vertices, indices, directions: Directions::Given }
+    }
+
+    /// Returns a note on the direction of grooves if the mesh does not give it; `None` if it does.
+    pub fn note(&self) -> Option<&'static str> {
+        match self.directions {
+            Directions::Given => None,
+            Directions::Projected => Some(
+                "without texture coordinates the direction of the grooves is that of the sides of a box; unwrap the mesh to give it one",
+            ),
+            Directions::Arbitrary => Some(
+                "the texture coordinates of each triangle are equal or on a line, so that the direction of the grooves is arbitrary; unwrap the mesh",
+            ),
+        }
     }
 
     /// Rotates positions, normals and tangents of the mesh by `turn`.
@@ -202,6 +230,20 @@ fn has_area(triangle: &[Corner; 3]) -> bool {
     (b - a).cross(c - a).length() > THINNEST * longest
 }
 
+impl Directions {
+    fn of(triangles: &[[Corner; 3]]) -> Self {
+        if triangles.iter().flatten().any(|corner| corner.uv.is_none()) {
+            return Self::Projected;
+        }
+        let spans = |triangle: &[Corner; 3]| {
+            let [a, b, c] = triangle.map(|corner| DVec2::from(corner.uv.unwrap_or_default().map(f64::from))); // some, see above
+            let longest = [b - a, c - b, a - c].map(DVec2::length_squared).into_iter().fold(0.0, f64::max);
+            (b - a).perp_dot(c - a).abs() > THINNEST * longest
+        };
+        if triangles.iter().any(spans) { Self::Given } else { Self::Arbitrary }
+    }
+}
+
 /// Merges equal vertices.
 fn weld(corners: impl Iterator<Item = Vertex>) -> Mesh {
     let mut known: HashMap<[u32; 12], u32> = HashMap::new();
@@ -267,6 +309,20 @@ pub(super) mod tests {
                 .contains("no triangle with an area")
         );
         assert!(Mesh::from_triangles(vec![]).is_err());
+    }
+
+    #[test]
+    fn meshes_tell_where_the_direction_of_grooves_is_from() {
+        let with = |uvs: [Option<[f32; 2]>; 3]| {
+            let mut triangle = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(corner);
+            triangle.iter_mut().zip(uvs).for_each(|(corner, uv)| corner.uv = uv);
+            Mesh::from_triangles(vec![triangle]).unwrap().note()
+        };
+        assert_eq!(with([Some([0.0, 0.0]), Some([1.0, 0.0]), Some([0.0, 1.0])]), None);
+        assert!(with([Some([0.0, 0.0]), Some([1.0, 0.0]), None]).unwrap().contains("without texture"));
+        for line in [[[0.5, 0.5]; 3], [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]] {
+            assert!(with(line.map(Some)).unwrap().contains("on a line"), "{line:?}");
+        }
     }
 
     #[test]

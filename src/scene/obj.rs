@@ -1,6 +1,6 @@
 //! Wavefront OBJ files.
 //!
-//! All objects and groups of a file become one mesh; materials, lines, points and colours are left out. Polygons are cut into triangles,
+//! All objects and groups of a file become one mesh; lines, points and colours of vertices are left out, and of materials the colour is read (`mtl.rs`). Polygons are cut into triangles,
 //! concave ones too. If a single face has no texture coordinates, those of the whole file are projected as [`Corner::uv`] says, so that one
 //! rule holds for all of it; normals likewise become smooth ones.
 //!
@@ -9,19 +9,18 @@
 
 use super::corner::Corner;
 use super::mesh::{MAX_TRIANGLES, Mesh};
+use super::mesh_colors::MeshColors;
+use super::mesh_file::LoadedMesh;
+use super::mtl;
+use super::parts::Parts;
 use super::polygon::PolygonCutter;
-use crate::error::{self, Error, Result};
-use crate::input;
+use crate::error::{Error, Result};
 use crate::memory;
 use crate::task::Task;
 use glam::Vec3;
 use std::borrow::Cow;
-use std::collections::BTreeSet;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
-
-/// Largest file \[bytes\].
-pub const MAX_BYTES: u64 = 512 << 20;
 
 /// Byte order mark that some programs put in front of text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -38,17 +37,25 @@ const BYTES_PER_TRIANGLE: u64 = 700;
 /// Text between two reports of progress \[bytes\]: some milliseconds.
 const REPORT_EVERY: usize = 1 << 20;
 
+/// Largest number of files of materials that are read.
+const MAX_LIBRARIES: usize = 16;
+
 /// Largest length of a word in an error \[characters\].
 const SHOWN: usize = 40;
 
-/// Reads the mesh in the OBJ file at `path`, or only the `part` that is an object, a group or a material of this name, with reports to
-/// the task.
+/// Reads the mesh in the `bytes` of the OBJ file at `path`, or only the `part` that is an object, a group or a material of this name, with the
+/// colours of its `.mtl` files, which lie beside it; reports to the task.
 ///
 /// # Errors
-/// A file that cannot be read, is not a plain file or is larger than [`MAX_BYTES`]; a part that it does not have; otherwise those of
-/// [`from_bytes`]. The error names the file. Also a cancelled task.
-pub fn load(path: &Path, part: Option<&str>, task: &Task) -> Result<Mesh> {
-    parse(&read(path)?, part, task).map_err(|e| e.at(path.display()))
+/// A part that the file does not have; otherwise those of [`from_bytes`]. Also a cancelled task.
+pub(super) fn load(bytes: &[u8], path: &Path, part: Option<&str>, task: &Task) -> Result<LoadedMesh> {
+    let (mesh, survey) = surveyed(bytes, part, task)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut loaded = LoadedMesh::new(mesh);
+    let (colors, notes) = mtl::read(&survey.libraries, folder);
+    loaded.notes.extend(notes);
+    loaded.color(survey.colors.mean(|name| colors.get(name).copied()));
+    Ok(loaded)
 }
 
 /// Reads the mesh in the text of an OBJ file.
@@ -60,8 +67,13 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Mesh> {
     parse(bytes, None, &Task::silent())
 }
 
-/// Reads the whole of the text or a `part`; fails with an error if the task is cancelled.
+/// Reads the mesh of the whole of the text or of a `part`.
 fn parse(bytes: &[u8], part: Option<&str>, task: &Task) -> Result<Mesh> {
+    surveyed(bytes, part, task).map(|(mesh, _)| mesh)
+}
+
+/// Reads the whole of the text or a `part`, and returns the mesh with what the first pass found; fails with an error if the task is cancelled.
+fn surveyed(bytes: &[u8], part: Option<&str>, task: &Task) -> Result<(Mesh, Survey)> {
     let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Err(Error::input("the file is empty", "export the mesh as Wavefront OBJ again"));
@@ -71,7 +83,7 @@ fn parse(bytes: &[u8], part: Option<&str>, task: &Task) -> Result<Mesh> {
     }
     // The lines that make the mesh.
     memory::ensure_room(2 * bytes.len() as u64, "the text of the mesh")?;
-    let survey = Survey::of(bytes, part, task)?;
+    let mut survey = Survey::of(bytes, part, task)?;
     memory::ensure_room(survey.triangles as u64 * BYTES_PER_TRIANGLE, "the triangles of the mesh")?;
     let models = models(&survey.geometry, task)?;
     let mut cutter = PolygonCutter::default();
@@ -80,7 +92,8 @@ fn parse(bytes: &[u8], part: Option<&str>, task: &Task) -> Result<Mesh> {
         cut_faces(&model.mesh, &survey, &mut cutter, task, &mut triangles)?;
     }
     drop(models);
-    Mesh::build(triangles, task)
+    survey.geometry = String::new();
+    Ok((Mesh::build(triangles, task)?, survey))
 }
 
 /// Reads `geometry` with tobj; fails with an error if the task is cancelled.
@@ -119,23 +132,8 @@ impl Read for ToldText<'_> {
     }
 }
 
-/// Reads the file, if it is a plain one and not too large.
-fn read(path: &Path) -> Result<Vec<u8>> {
-    let file = input::open(path, "a Wavefront OBJ file, or the name of a scene", MAX_BYTES)?;
-    let length = file.metadata().map_or(0, |about| about.len());
-    memory::ensure_room(length, "the text of the mesh").map_err(|e| e.at(path.display()))?;
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // The file may grow while it is read.
-    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| {
-        Error::files(format!("it cannot be read: {}", error::cause(&e)), "check the disk")
-            .caused_by(e)
-            .at(path.display())
-    })?;
-    Ok(bytes)
-}
-
 fn not_an_obj() -> Error {
-    Error::input("this is not a Wavefront OBJ", "export the mesh as OBJ; other formats are not read")
+    Error::input("this is not a Wavefront OBJ", "export the mesh as OBJ again")
 }
 
 /// Calls `act` with every line of `text`; errors name the line. Lines end in \n, \r\n or \r. A backslash at the end joins the next line, except
@@ -210,60 +208,12 @@ struct Survey {
     lacks: [bool; 3],
     triangles: usize,
     parts: Parts,
-}
-
-/// Parts of the file by name, and the selected one.
-#[derive(Default)]
-struct Parts {
-    /// Name of the part whose faces are kept; `None`: all faces.
-    wanted: Option<String>,
-    /// Names of the current object, groups and material.
-    current: [Vec<String>; 3],
-    /// Names of the file, as many as errors list.
-    known: BTreeSet<String>,
-    /// True if a face belongs to the selected part.
-    found: bool,
-}
-
-impl Parts {
-    /// Largest number of names that an error lists.
-    const LISTED: usize = 12;
-
-    /// Reads a line that names the object, group or material of the faces behind it.
-    fn line(&mut self, words: &[&str]) {
-        let kind = match words.first() {
-            Some(&"o") => 0,
-            Some(&"g") => 1,
-            Some(&"usemtl") => 2,
-            _ => return,
-        };
-        self.current[kind] = words[1..].iter().map(|&word| word.to_owned()).collect();
-        for name in &self.current[kind] {
-            if self.known.len() < Self::LISTED && !self.known.contains(name) {
-                self.known.insert(name.clone());
-            }
-        }
-    }
-
-    /// Returns true if a face at this place belongs to the selected part.
-    fn keeps(&mut self) -> bool {
-        let Some(wanted) = &self.wanted else { return true };
-        let keeps = self.current.iter().flatten().any(|name| name == wanted);
-        self.found |= keeps;
-        keeps
-    }
-
-    /// Fails if no face belongs to the selected part.
-    fn check(&self) -> Result<()> {
-        let Some(wanted) = self.wanted.as_ref().filter(|_| !self.found) else { return Ok(()) };
-        let known: Vec<&str> = self.known.iter().map(String::as_str).collect();
-        let remedy = if known.is_empty() {
-            "the file names no object, group or material: leave `part` away".to_owned()
-        } else {
-            format!("give the name of an object, a group or a material: {}", known.join(", "))
-        };
-        Err(Error::input(format!("no face belongs to the part `{wanted}`"), remedy))
-    }
+    /// Material of the current faces.
+    material: Option<String>,
+    /// Numbers of triangles of each material, of the selected part.
+    colors: MeshColors,
+    /// Names of the files of materials.
+    libraries: Vec<String>,
 }
 
 const TAGS: [&str; 3] = ["v", "vt", "vn"];
@@ -281,8 +231,7 @@ fn without_comment(line: &str) -> &str {
 
 impl Survey {
     fn of(text: &[u8], part: Option<&str>, task: &Task) -> Result<Self> {
-        let parts = Parts { wanted: part.map(str::to_owned), ..Parts::default() };
-        let mut survey = Self { parts, ..Self::default() };
+        let mut survey = Self { parts: Parts::new(part), ..Self::default() };
         each_line(text, "counting faces", task, |number, line| {
             survey.line(number, &String::from_utf8_lossy(line))
         })?;
@@ -358,10 +307,15 @@ impl Survey {
             Some(&"vn") => self.numbers(2, 3, &words[1..]).map(|()| 4)?,
             Some(&"f") => {
                 self.face(number, &words[1..])?;
-                if self.parts.keeps() { words.len() } else { return Ok(()) }
+                if !self.parts.keeps() {
+                    return Ok(());
+                }
+                // A face of n corners is n − 2 triangles.
+                self.colors.add(self.material.as_deref(), words.len() - 3);
+                words.len()
             }
             _ => {
-                self.parts.line(&words);
+                self.name(&words);
                 return Ok(());
             }
         };
@@ -371,6 +325,27 @@ impl Survey {
         }
         self.geometry.push('\n');
         Ok(())
+    }
+
+    /// Reads a line that names the object, group or material of the faces behind it, or the files of materials.
+    fn name(&mut self, words: &[&str]) {
+        let Some((keyword, names)) = words.split_first() else { return };
+        let kind = match *keyword {
+            "o" => 0,
+            "g" => 1,
+            "usemtl" => {
+                self.material = Some(names.join(" "));
+                2
+            }
+            "mtllib" => {
+                if self.libraries.len() < MAX_LIBRARIES {
+                    self.libraries.push(names.join(" "));
+                }
+                return;
+            }
+            _ => return,
+        };
+        self.parts.set(kind, names.iter().map(|&name| name.to_owned()).collect());
     }
 
     /// Reads a line of at least `least` numbers.

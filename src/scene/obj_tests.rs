@@ -1,6 +1,7 @@
 //! Sound and hostile OBJ files.
 
 use super::super::mesh::tests::assert_sound;
+use super::super::mesh_file;
 use super::*;
 use crate::task::Task;
 use proptest::prelude::*;
@@ -263,12 +264,17 @@ fn a_weight_of_zero_and_coordinates_out_of_reach_are_refused() {
 fn files_that_are_missing_directories_or_huge_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("none.obj");
-    let e = load(&missing, None, &Task::silent()).unwrap_err().to_string();
+    let e = mesh_file::load(&missing, None, &Task::silent()).unwrap_err().to_string();
     assert!(e.contains("none.obj") && e.contains("there is no such file"), "{e}");
-    assert!(load(folder.path(), None, &Task::silent()).unwrap_err().to_string().contains("it is a folder"));
+    assert!(
+        mesh_file::load(folder.path(), None, &Task::silent())
+            .unwrap_err()
+            .to_string()
+            .contains("it is a folder")
+    );
     let huge = folder.path().join("huge.obj");
-    std::fs::File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
-    assert!(load(&huge, None, &Task::silent()).unwrap_err().to_string().contains("more than the"));
+    std::fs::File::create(&huge).unwrap().set_len(mesh_file::MAX_BYTES + 1).unwrap();
+    assert!(mesh_file::load(&huge, None, &Task::silent()).unwrap_err().to_string().contains("more than the"));
 }
 
 #[test]
@@ -321,4 +327,29 @@ proptest! {
     fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         let _ = from_bytes(&bytes);
     }
+}
+
+#[test]
+fn colours_of_materials_beside_the_file_are_its_pigment() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    let text = format!(
+        "mtllib paint shop.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nusemtl dark red\nf 1/1 2/2 3/3\nusemtl blue\nf 1/1 3/3 4/2\n"
+    );
+    std::fs::write(&path, &text).unwrap();
+    let read = |part: Option<&str>| mesh_file::load(&path, part, &Task::silent()).unwrap();
+    let unpainted = read(None);
+    assert_eq!(unpainted.color, None);
+    assert!(
+        unpainted.notes.len() == 1 && unpainted.notes[0].contains("no such file"),
+        "{:?}",
+        unpainted.notes
+    );
+    let materials = "newmtl dark red\nKd 0.5 0.25 0\nnewmtl blue\nKd 0 0.25 1\n";
+    std::fs::write(folder.path().join("paint shop.mtl"), materials).unwrap();
+    let painted = read(None);
+    assert_eq!(painted.color, Some(Vec3::new(0.25, 0.25, 0.5)));
+    assert!(painted.notes.len() == 1 && painted.notes[0].contains("2 colours"), "{:?}", painted.notes);
+    let blue = read(Some("blue"));
+    assert!(blue.color == Some(Vec3::new(0.0, 0.25, 1.0)) && blue.notes.is_empty(), "{:?}", blue.notes);
 }

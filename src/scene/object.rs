@@ -1,7 +1,8 @@
 //! Objects of a scene: a mesh with its surface and its position. Options of the program change the first object of a scene alone.
 
 use super::mesh::{Bounds, Mesh};
-use super::{obj, primitives, snake};
+use super::mesh_file::{self, LoadedMesh};
+use super::{primitives, snake};
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::reflectance::{Film, Reflectance};
@@ -47,6 +48,9 @@ pub struct Object {
     /// True for the ground, which shows shadows and casts none.
     #[doc(hidden)]
     pub is_ground: bool,
+    /// Notes on the mesh file.
+    #[doc(hidden)]
+    pub mesh_notes: Vec<String>,
 }
 
 /// Placement of an object: its mesh is scaled by `size`, rotated about the world's x, y and z in this order, and moved to `position`.
@@ -94,7 +98,10 @@ pub enum Grooves {
 
 impl Grooves {
     /// Parses an angle with its unit, `radial`, or the name of a picture, relative to `folder`.
-    pub(super) fn parse(text: &str, folder: &Path) -> Result<Self> {
+    ///
+    /// # Errors
+    /// Fails for a number that is no angle.
+    pub fn parse(text: &str, folder: &Path) -> Result<Self> {
         match text {
             "radial" => Ok(Self::Radial),
             _ if text.ends_with("deg") || text.ends_with("rad") => Ok(Self::Turned(units::angle(text)?)),
@@ -132,7 +139,15 @@ impl Object {
             base_color: color,
             pigment: None,
             is_ground: true,
+            mesh_notes: Vec::new(),
         })
+    }
+
+    /// Returns notes on mesh and material that a user should know, each with the name of its file.
+    pub(super) fn notes(&self) -> impl Iterator<Item = String> {
+        let mesh = self.mesh_source.name.display();
+        let of_mesh = self.mesh_notes.iter().map(move |note| format!("{mesh}: {note}"));
+        of_mesh.chain(self.reflectance.as_ref().and_then(Reflectance::note))
     }
 
     /// Returns the files of the object.
@@ -154,9 +169,9 @@ impl Object {
 
 impl MeshSource {
     /// Returns the mesh of this name in a scene file in `folder`.
-    pub(super) fn named(name: &str, up: Up, part: Option<String>, folder: &Path) -> Self {
+    pub(super) fn named(name: &str, up: Option<Up>, part: Option<String>, folder: &Path) -> Self {
         let name = if BUILT_IN_MESHES.contains(&name) { name.into() } else { folder.join(name) };
-        Self { name, up, part }
+        Self { up: up.unwrap_or_else(|| mesh_file::usual_up(&name)), name, part }
     }
 
     /// Returns the file; `None` for a built-in mesh.
@@ -201,6 +216,16 @@ pub enum Up {
     Z,
 }
 
+impl Up {
+    /// Returns the name of the axis.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
+}
+
 /// Meshes that scene files can name instead of a file.
 pub(super) const BUILT_IN_MESHES: [&str; 4] = ["snake", "plate", "sphere", "disc"];
 
@@ -235,17 +260,20 @@ pub(super) fn steps(words: &[String]) -> Result<Vec<PreparationStep>> {
 }
 
 /// Opens the mesh and turns it upright.
-pub(super) fn open_mesh(source: &MeshSource, task: &Task) -> Result<Mesh> {
+pub(super) fn open_mesh(source: &MeshSource, task: &Task) -> Result<LoadedMesh> {
     let MeshSource { name, up, part } = source;
     let built_in = match name.to_str() {
         Some("snake") => upright(snake::mesh()?, Up::Y),
         Some("plate") => primitives::plate(),
         Some("sphere") => upright(primitives::sphere(), Up::Y),
         Some("disc") => primitives::disc(),
-        _ => return Ok(upright(obj::load(name, part.as_deref(), task)?, *up)),
+        _ => {
+            let loaded = mesh_file::load(name, part.as_deref(), task)?;
+            return Ok(LoadedMesh { mesh: upright(loaded.mesh, *up), ..loaded });
+        }
     };
     match part {
-        None => Ok(built_in),
+        None => Ok(LoadedMesh::new(built_in)),
         Some(part) => Err(Error::input(
             format!("the mesh {} has no part `{part}`", name.display()),
             "leave `part` away: files alone have parts",

@@ -14,16 +14,14 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub(super) struct SceneDocument {
     pub scale: Option<String>,
     pub mesh: String,
-    #[serde(default)]
-    pub up: Up,
+    pub up: Option<Up>,
     pub part: Option<String>,
     pub surface: String,
     pub pixel_size: Option<String>,
     pub height: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prepare: Vec<String>,
-    #[serde(default)]
-    pub base_color: Triple<f32>,
+    pub base_color: Option<Triple<f32>>,
     pub pigment: Option<String>,
     pub grooves: Option<String>,
     pub material: Option<String>,
@@ -74,8 +72,7 @@ impl SceneDocument {
 #[serde(deny_unknown_fields)]
 pub(super) struct ObjectDocument {
     pub mesh: String,
-    #[serde(default)]
-    pub up: Up,
+    pub up: Option<Up>,
     pub part: Option<String>,
     #[serde(default)]
     pub position: Triple<f32>,
@@ -91,8 +88,7 @@ pub(super) struct ObjectDocument {
     pub grooves: Option<String>,
     pub material: Option<String>,
     pub film: Option<String>,
-    #[serde(default)]
-    pub base_color: Triple<f32>,
+    pub base_color: Option<Triple<f32>>,
     pub pigment: Option<String>,
 }
 

@@ -6,9 +6,10 @@ use super::display_settings::DisplaySettings;
 use super::environment::{self, Environment, Placement};
 use super::light::Light;
 use super::mesh::Bounds;
+use super::mesh_file::{self, LoadedMesh};
 use super::object::{
-    Grooves, MAX_OBJECTS, MeshSource, Object, Pose, Up, check_colors, open_mesh, reflectance, steps,
-    surface_name,
+    BUILT_IN_MESHES, Grooves, MAX_OBJECTS, MeshSource, Object, Pose, Up, check_colors, open_mesh,
+    reflectance, steps, surface_name,
 };
 use super::scene_document::{Angle, EnvironmentDocument, ObjectDocument, SceneDocument, Triple};
 use super::scene_options::{self, FileOptions};
@@ -69,10 +70,24 @@ pub struct Scene {
     /// Files of the scene: the scene file, and those of mesh, surface and pigment.
     #[doc(hidden)]
     pub files: Vec<PathBuf>,
+    /// Settings that options gave when the scene was opened.
+    #[doc(hidden)]
+    pub overrides: SceneOverrides,
     /// Bounding sphere of everything but the ground, if there are several objects. It is stored because each frame needs it and meshes may
     /// have many vertices.
     #[doc(hidden)]
     pub standing_bounds: Bounds,
+}
+
+/// Settings of the main object and of the unit that options give instead of the scene's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneOverrides {
+    /// Length of one unit of the scene's coordinates \[µm\].
+    pub scale: Option<f64>,
+    /// Axis of the mesh file that points up.
+    pub up: Option<Up>,
+    /// Orientation of the height field's patch on the mesh.
+    pub grooves: Option<Grooves>,
 }
 
 impl EnvironmentDocument {
@@ -93,8 +108,8 @@ impl EnvironmentDocument {
 impl ObjectDocument {
     /// Opens the object; names of files are relative to `folder`.
     fn open(self, folder: &Path, task: &Task) -> Result<Object> {
-        let Triple(base_color) = self.base_color;
-        check_colors(base_color.map(f64::from))?;
+        let named_color = self.base_color.map(|Triple(color)| color);
+        check_colors(named_color.unwrap_or_default().map(f64::from))?;
         let pose = Pose {
             position: self.position.0.into(),
             rotation: self.rotation.0.map(|Angle(angle)| angle),
@@ -117,8 +132,9 @@ impl ObjectDocument {
                 seed: 1,
             })
         });
+        let LoadedMesh { mesh, color, notes } = open_mesh(&mesh_source, task)?;
         Ok(Object {
-            mesh: pose.place(open_mesh(&mesh_source, task)?)?,
+            mesh: pose.place(mesh)?,
             mesh_source,
             pose,
             surface: surface.transpose()?,
@@ -127,50 +143,77 @@ impl ObjectDocument {
                 .as_deref()
                 .map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?,
             reflectance: reflectance(self.material.as_deref(), self.film.as_deref(), folder)?,
-            base_color: base_color.into(),
+            base_color: named_color.map(Vec3::from).or(color).unwrap_or_default(),
             pigment: self.pigment.map(|p| folder.join(p)),
             is_ground: false,
+            mesh_notes: notes,
         })
     }
 }
 
 #[doc(hidden)]
 impl Scene {
-    /// Opens a scene like [`Scene::open`], with reports to `task` while a mesh file is read.
+    /// Opens a scene like [`Scene::open`], with `overrides` and with reports to `task` while a mesh file is read.
     ///
     /// # Errors
-    /// Those of [`Scene::open`], and a cancelled task.
-    pub fn open_telling(name: &OsStr, task: &Task) -> Result<Self> {
+    /// Those of [`Scene::open`], and a cancelled task; `up` of a mesh that is no file.
+    pub fn open_telling(name: &OsStr, overrides: &SceneOverrides, task: &Task) -> Result<Self> {
         if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
-            return Self::parse(text, Path::new("")).map_err(|e| e.at(format!("scene {}", name.display())));
+            let scene = Self::read(text, Path::new(""), overrides, task);
+            return scene.map_err(|e| e.at(format!("scene {}", name.display())));
         }
         let path = Path::new(name);
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-        match extension.as_str() {
-            "obj" => Self::of_mesh(path, task),
-            "toml" => {
-                let text = input::read_text(path, "a scene file")?;
-                let folder = path.parent().unwrap_or(Path::new(""));
-                let mut scene = Self::read(&text, folder, task).map_err(|e| e.at(path.display()))?;
-                scene.files.push(path.to_owned());
-                Ok(scene)
-            }
-            _ => Err(no_scene(name, &extension)),
+        if mesh_file::extension(path).is_some() {
+            return Self::of_mesh(path, overrides, task);
         }
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if extension != "toml" {
+            return Err(no_scene(name, &extension));
+        }
+        let text = input::read_text(path, "a scene file")?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut scene = Self::read(&text, folder, overrides, task).map_err(|e| e.at(path.display()))?;
+        scene.files.push(path.to_owned());
+        Ok(scene)
     }
 
-    fn of_mesh(path: &Path, task: &Task) -> Result<Self> {
+    /// Returns the scene of a mesh file alone: the lights of the built-in sphere, and a camera that sees all of the mesh. A unit of a glTF file is a metre.
+    fn of_mesh(path: &Path, overrides: &SceneOverrides, task: &Task) -> Result<Self> {
         let mut scene = Self::open("sphere")?;
         let object = scene.main_object_mut();
-        object.mesh_source = MeshSource { name: path.to_owned(), up: Up::Y, part: None };
-        object.mesh = open_mesh(&object.mesh_source, task)?;
+        let up = overrides.up.unwrap_or_else(|| mesh_file::usual_up(path));
+        object.mesh_source = MeshSource { name: path.to_owned(), up, part: None };
+        let LoadedMesh { mesh, color, notes } = open_mesh(&object.mesh_source, task)?;
+        object.base_color = color.unwrap_or(object.base_color);
+        (object.mesh, object.mesh_notes) = (mesh, notes);
         let bounds = object.mesh.bounds();
         scene.files.push(path.to_owned());
         /// Radius of the framed sphere relative to that of the mesh.
         const AIR: f32 = 1.1;
         scene.camera.target = bounds.centre;
         scene.camera.distance = AIR * bounds.radius / (scene.camera.field_of_view / 2.0).sin();
-        Ok(scene)
+        if let Some("gltf" | "glb") = mesh_file::extension(path) {
+            scene.unit = 1.0;
+        }
+        Ok(scene.overridden(overrides))
+    }
+
+    /// Returns the scene with the scale and the grooves of `overrides`; its mesh stands upright by them already.
+    fn overridden(mut self, overrides: &SceneOverrides) -> Self {
+        if let Some(scale) = overrides.scale {
+            self.unit = scale * METRES_PER_MICROMETRE;
+        }
+        if let Some(grooves) = &overrides.grooves {
+            self.files.extend(grooves.file().cloned());
+            self.main_object_mut().grooves = grooves.clone();
+        }
+        self.overrides = overrides.clone();
+        self
+    }
+
+    /// Returns notes on meshes and materials that a user should know.
+    pub fn notes(&self) -> Vec<String> {
+        self.objects.iter().filter(|object| !object.is_ground).flat_map(Object::notes).collect()
     }
 
     /// Parses the text of a scene file; names of files in it are relative to `folder`.
@@ -178,15 +221,22 @@ impl Scene {
     /// # Errors
     /// See [`Scene::open`].
     pub fn parse(text: &str, folder: &Path) -> Result<Self> {
-        Self::read(text, folder, &Task::silent())
+        Self::read(text, folder, &SceneOverrides::default(), &Task::silent())
     }
 
-    fn read(text: &str, folder: &Path, task: &Task) -> Result<Self> {
-        let file: SceneDocument = toml::from_str(text).map_err(|e| {
+    fn read(text: &str, folder: &Path, overrides: &SceneOverrides, task: &Task) -> Result<Self> {
+        let mut file: SceneDocument = toml::from_str(text).map_err(|e| {
             let line =
                 e.span().map_or(0, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
             Error::input(format!("line {line}: {}", e.message()), remedy(e.message())).caused_by(e)
         })?;
+        if overrides.up.is_some() {
+            if BUILT_IN_MESHES.contains(&file.mesh.as_str()) {
+                let what = format!("the mesh {} is built in and stands upright", file.mesh);
+                return Err(Error::usage(what, "leave --up away: it is about mesh files"));
+            }
+            file.up = overrides.up;
+        }
         let background = file.background.color().to_array();
         let ground = file.ground.map(|Triple(color)| color);
         check_colors(ground.unwrap_or_default().map(f64::from).into_iter().chain(background))?;
@@ -199,7 +249,7 @@ impl Scene {
         let environment_file = environment_file.map(|e| folder.join(&e.name));
         let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file().map(PathBuf::from));
         let (objects, standing_bounds) = objects(file.main_object(), file.objects, ground, folder, task)?;
-        Ok(Self {
+        let scene = Self {
             files: objects.iter().flat_map(Object::files).chain(environment_file).chain(spectra).collect(),
             objects,
             standing_bounds,
@@ -216,7 +266,9 @@ impl Scene {
                 is_opaque: false,
             },
             unit: file.scale.as_deref().map_or(Ok(UNIT), units::length)? * METRES_PER_MICROMETRE,
-        })
+            overrides: SceneOverrides::default(),
+        };
+        Ok(scene.overridden(overrides))
     }
 }
 
@@ -304,7 +356,10 @@ fn no_scene(name: &OsStr, extension: &str) -> Error {
     }
     Error::usage(
         format!("there is no scene `{}`", name.display()),
-        format!("give one of {} or a .toml or .obj file", BUILT_IN.map(|b| b.0).join(", ")),
+        format!(
+            "give one of {}, a scene file (.toml) or a mesh (.obj, .gltf, .glb, .ply, .stl)",
+            BUILT_IN.map(|b| b.0).join(", ")
+        ),
     )
 }
 
@@ -417,6 +472,62 @@ mod tests {
         for wrong in ["scale = \"1\"", "scale = \"0 m\"", "scale = \"-1 m\"", "scale = 1"] {
             assert!(unit(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn settings_of_options_stand_in_place_of_those_of_the_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let mesh = folder.path().join("a.stl");
+        let corners = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 2\n";
+        let text = format!("solid a\nfacet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\nendsolid\n");
+        std::fs::write(&mesh, text).unwrap();
+        let open = |name: &Path, overrides: &SceneOverrides| {
+            Scene::open_telling(name.as_os_str(), overrides, &Task::silent()).unwrap()
+        };
+        let highest = |scene: &Scene| {
+            scene
+                .main_object()
+                .mesh
+                .vertices()
+                .iter()
+                .map(|v| v.position[2])
+                .fold(f32::NEG_INFINITY, f32::max)
+        };
+        let plain = open(&mesh, &SceneOverrides::default());
+        assert_eq!((highest(&plain), &plain.main_object().grooves), (2.0, &Grooves::Along));
+        assert!(plain.notes()[0].contains("a.stl: without texture coordinates"), "{:?}", plain.notes());
+        let overrides = SceneOverrides { scale: Some(2e3), up: Some(Up::Y), grooves: Some(Grooves::Radial) };
+        let scene_file = folder.path().join("a.toml");
+        let document = BUILT_IN[1].1.replace("mesh = \"plate\"", "mesh = \"a.stl\"");
+        std::fs::write(&scene_file, format!("grooves = \"3deg\"\n{document}")).unwrap();
+        for name in [&mesh, &scene_file] {
+            let scene = open(name, &overrides);
+            assert_eq!((highest(&scene), &scene.main_object().grooves), (1.0, &Grooves::Radial));
+            assert!((scene.unit - 2e-3).abs() < 1e-15 && scene.overrides == overrides);
+        }
+        let built_in = Scene::open_telling("plate".as_ref(), &overrides, &Task::silent());
+        assert!(built_in.map(|_| ()).unwrap_err().to_string().contains("leave --up away"));
+    }
+
+    #[test]
+    fn a_mesh_of_colours_is_the_pigment_unless_the_scene_names_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let mesh =
+            "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
+        for (name, text) in [("a.obj", mesh), ("a.mtl", "newmtl a\nKd 0.25 0.5 1\n")] {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let plate = BUILT_IN[1].1.replace("mesh = \"plate\"", "mesh = \"a.obj\"");
+        let without: String = plate
+            .lines()
+            .filter(|line| !line.starts_with("base_color"))
+            .map(|line| line.to_owned() + "\n")
+            .collect();
+        let color = |text: &str| Scene::parse(text, folder.path()).unwrap().main_object().base_color;
+        let painted = Vec3::new(0.25, 0.5, 1.0);
+        assert_eq!(color(&without), painted);
+        assert_ne!(color(&plate), painted);
+        assert_eq!(Scene::open(folder.path().join("a.obj")).unwrap().main_object().base_color, painted);
     }
 
     #[test]

@@ -24,7 +24,7 @@ impl ObjectDocument {
         let [material, film] = reflecting(object.reflectance.as_ref(), folder)?;
         Ok(Self {
             mesh: path(&object.mesh_source.name)?,
-            up: object.mesh_source.up,
+            up: Some(object.mesh_source.up),
             part: object.mesh_source.part.clone(),
             position: Triple(object.pose.position.to_array()),
             rotation: Triple(object.pose.rotation.map(Angle)),
@@ -36,7 +36,7 @@ impl ObjectDocument {
             grooves: grooves(&object.grooves, folder)?,
             material,
             film,
-            base_color: Triple(object.base_color.to_array()),
+            base_color: Some(Triple(object.base_color.to_array())),
             pigment: object.pigment.as_deref().map(path).transpose()?,
         })
     }

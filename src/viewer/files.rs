@@ -1,5 +1,6 @@
 //! Files that the user chooses to open or to write, and recently opened files.
 
+use crate::scene::mesh_file;
 use crate::surface::files;
 use egui::Key;
 use egui_file_dialog::{DialogState, FileDialog};
@@ -47,11 +48,11 @@ impl FileChoice {
 
     /// Opens the dialog for a file to open.
     pub fn open(&mut self) {
-        let all = [&["toml", "obj"][..], &files::extensions()].concat();
+        let all = [&["toml"][..], &mesh_file::EXTENSIONS, &files::extensions()].concat();
         let mut dialog = dialog("Open a scene, a mesh or a height field")
             .add_file_filter_extensions("all that can be shown", all)
             .add_file_filter_extensions("scenes", vec!["toml"])
-            .add_file_filter_extensions("meshes", vec!["obj"])
+            .add_file_filter_extensions("meshes", mesh_file::EXTENSIONS.to_vec())
             .add_file_filter_extensions("height fields", files::extensions())
             .default_file_filter("all that can be shown");
         dialog.pick_file();

@@ -19,10 +19,11 @@ use crate::error::Error;
 use crate::render::frame::View;
 use crate::render::sampling::Sampling;
 use crate::scene::environment::Environment;
+use crate::scene::mesh_file;
 use crate::scene::{Camera, FarLight};
 use crate::settings::Optics;
 use crate::surface::SurfaceSource;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// One-off actions requested by the user.
@@ -477,7 +478,7 @@ impl Model {
     /// Shows a scene that was opened as `name`. A mesh changes only the view; a scene also replaces the settings of the
     /// previous scene.
     pub fn show_scene(&mut self, name: String, loaded: LoadedScene) {
-        let is_mesh = name.to_lowercase().ends_with(".obj");
+        let is_mesh = mesh_file::extension(Path::new(&name)).is_some();
         self.settings.camera = loaded.scene.camera;
         // A measured exposure belongs to its scene.
         self.measures_exposure |= self.measured_exposure == Some(self.settings.exposure);

@@ -1,6 +1,7 @@
 //! Options of the surface's reflectance.
 
 use super::{IORS, real};
+use crate::cli::console::Console;
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::polarisation::Polarisation;
@@ -21,7 +22,7 @@ pub struct ReflectanceOptions {
     #[arg(long, value_name = "N", value_parser = ior, allow_hyphen_values = true, hide_short_help = true)]
     pub ior: Option<f64>,
     /// Material of the surface, for Fresnel's equations at every wavelength: glass, keratin, aluminium, silver, gold, copper, nickel,
-    /// silicon, or a CSV file of wavelength in nm, n and k
+    /// silicon, or a CSV file of wavelength in nm or µm, n and k, also as two blocks of refractiveindex.info
     #[arg(long, value_name = "NAME|FILE", value_parser = OsStringValueParser::new().try_map(Material::from_name_or_file), conflicts_with = "ior")]
     pub material: Option<Material>,
     /// Equations for the share of light that an index reflects: fresnel (exact), or schlick (the approximation of the thesis, 20 % off at 60
@@ -60,6 +61,13 @@ impl ReflectanceOptions {
             ));
         }
         Ok(())
+    }
+
+    /// Tells, once a run, where the index of the material is not given.
+    pub fn tell(&self, console: &Console) {
+        if let Some(note) = self.material.as_ref().and_then(Material::note) {
+            console.say_once("material", &note);
+        }
     }
 
     /// Returns the reflectance of the surface: that of the scene, unless the options name a material, by their theory, in light of their polarisation.

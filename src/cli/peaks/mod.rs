@@ -202,7 +202,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         ));
     }
     let field = arguments.surface.load(arguments.surface_name.as_deref(), None, "elaphe", console)?;
-    let optics = arguments.optics.for_wavelengths(&field)?;
+    let optics = arguments.optics.for_wavelengths(&field, console)?;
     for nanometres in arguments.wavelengths.values() {
         optics.reflectance.check_wavelength(nanometres / NM_PER_UM)?;
     }

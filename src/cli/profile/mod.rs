@@ -51,6 +51,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         .reads(options.surface.files(None))
         .reads(options.colour.files())
         .reads(options.optics.files())
+        .reads(options.mesh.files())
         .writes(&arguments.json);
     files.check()?;
     let scene = BenchmarkScene::open(options, console)?;

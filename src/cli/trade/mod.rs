@@ -7,7 +7,9 @@ pub use figure::figure;
 
 use super::benchmark::{BenchmarkOptions, BenchmarkScene, References, TimingLimits, fps, is_impossible};
 use super::console::Console;
-use super::options::{CacheOptions, DeviceOptions, FigureOptions, SurfaceOptions, coherence, ior, tolerance};
+use super::options::{
+    CacheOptions, DeviceOptions, FigureOptions, MeshOptions, SurfaceOptions, coherence, ior, tolerance,
+};
 use super::progress::ProgressBar;
 use super::remedies::in_options;
 use super::{captions, prepare, write};
@@ -18,7 +20,7 @@ use crate::measure::profile::NOISY;
 use crate::measure::trade::{self, GRATING, Measurement, THESIS};
 use crate::optics::coherence::Coherence;
 use crate::optics::spectrum::Illuminant;
-use crate::scene::Light;
+use crate::scene::{Light, SceneOverrides};
 use crate::task::Progress;
 use crate::{input, output, units};
 use baselines::Baselines;
@@ -36,7 +38,7 @@ use std::path::{Path, PathBuf};
 The folder gets trade.csv, trade.md, trade.svg and trade.png. A second run goes on where the first was stopped; \
 delete trade.csv to measure anew.")]
 pub struct Arguments {
-    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj)
+    /// snake, plate, sphere, disc, cd, skin, a scene file (.toml) or a mesh (.obj, .gltf, .glb, .ply, .stl)
     #[arg(default_value = "snake")]
     scene: OsString,
     /// Folder for the results; created if it is missing
@@ -51,6 +53,8 @@ pub struct Arguments {
     /// A light instead of the scene's, in degrees from up and around it; may be given several times
     #[arg(long, value_name = "[KIND:]THETA,PHI[,INTENSITY]", value_parser = Light::parse, allow_hyphen_values = true)]
     light: Vec<Light>,
+    #[command(flatten)]
+    mesh: MeshOptions,
     /// Print the fastest setting that keeps this relative L2 error
     #[arg(long, value_name = "E", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
@@ -292,6 +296,7 @@ fn setting(arguments: &Arguments, flags: &str) -> Result<BenchmarkOptions> {
         scene: arguments.scene.clone(),
         size,
         light: arguments.light.clone(),
+        mesh: arguments.mesh.clone(),
         surface: arguments.surface.clone(),
         device: arguments.device.clone(),
         cache: arguments.cache,
@@ -317,6 +322,9 @@ fn frame_key(arguments: &Arguments, scene: &BenchmarkScene) -> String {
         candidate.driver
     );
     hasher.update(key.as_bytes());
+    if scene.scene.overrides != SceneOverrides::default() {
+        hasher.update(format!("{:?}", scene.scene.overrides).as_bytes());
+    }
     hasher.update(bytemuck::cast_slice(scene.field.heights()));
     hasher.finalize().to_hex()[..16].to_owned()
 }

@@ -53,7 +53,7 @@ macro_rules! rows {
 
 rows! {
     SCENE = SettingRow::setting("scene", "diffract view SCENE", "Mesh, camera, lights and surface. What you have set yourself stays.");
-    FILE = SettingRow::setting("file", "diffract view FILE", "Open a scene (.toml), a mesh (.obj) or a height field, or one that was opened lately; save the scene with all settings as .toml.  [Ctrl + O, Ctrl + S]");
+    FILE = SettingRow::setting("file", "diffract view FILE", "Open a scene (.toml), a mesh (.obj, .gltf, .glb, .ply, .stl) or a height field, or one that was opened lately; save the scene with all settings as .toml.  [Ctrl + O, Ctrl + S]");
     EXPOSURE = SettingRow::setting("exposure", "--exposure", "Brightness of the picture in stops (EV): one more doubles it.")
         .copied(|to, from| to.exposure = from.exposure);
     TONE = SettingRow::setting("tone mapping", "--tone", "What the display makes of highlights. none: colours as they are, up to the edge of what it can show. \

@@ -3,6 +3,7 @@
 use super::{PendingSave, Tried, ViewerWindow};
 use crate::error::Result;
 use crate::scene::Scene;
+use crate::scene::mesh_file;
 use crate::surface::SurfaceSource;
 use crate::surface::synth::SurfaceKind;
 use crate::viewer::changes::StepDirection;
@@ -115,7 +116,7 @@ impl ViewerWindow {
     fn open(&mut self, name: String) {
         let extension =
             Path::new(&name).extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        if extension.is_empty() || extension == "obj" || extension == "toml" {
+        if extension.is_empty() || extension == "toml" || mesh_file::extension(Path::new(&name)).is_some() {
             return self.open_scene(name, false);
         }
         // Files of microscopes have units. Images have none and start with those of a scan of a skin.
