@@ -57,6 +57,7 @@ pub mod internals {
     #[cfg(feature = "vulkan")]
     pub mod setup;
     pub mod spectra;
+    pub mod sums;
     pub mod surface;
     pub mod table;
     pub mod task;

@@ -7,6 +7,7 @@ use crate::budget::ErrorBudget;
 use crate::error::{Error, Remedy, Result};
 use crate::memory;
 use crate::optics::spectrum::SHORTEST;
+use crate::sums;
 use crate::surface::HeightField;
 use crate::task::{ORDERS, Progress, Task};
 use rayon::prelude::*;
@@ -252,10 +253,8 @@ impl OrderSeries {
             let sum: f64 = order.iter().zip(&t).map(|(a, t)| f64::from(*a) * t).sum();
             (sum * z * z / power - 1.0).powi(2)
         };
-        let (squares, count) = judged
-            .filter(|(_, power)| **power >= floor)
-            .map(|both| (square(both), 1usize))
-            .reduce(|| (0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let one = |both: (&[f32], &f64)| if *both.1 >= floor { (square(both), 1usize) } else { (0.0, 0) };
+        let (squares, count) = sums::in_order(judged.map(one), (0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         if count > 0 { (squares / count as f64).sqrt() } else { 0.0 }
     }
 }

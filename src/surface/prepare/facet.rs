@@ -5,6 +5,7 @@
 //! Gaussian kernel, from the mean slope on; Gwyddion's facet levelling is the same iteration.
 
 use crate::error::Result;
+use crate::sums;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 
@@ -56,13 +57,15 @@ fn most_frequent(slopes: &[[f64; 2]]) -> [f64; 2] {
             let weight = weight(s);
             [weight * s[0], weight * s[1], weight]
         };
-        let [x, y, total] = slopes.par_iter().map(weighted).reduce(|| [0.0; 3], add);
+        let add_one = |sum, i: usize| add(sum, weighted(&slopes[i]));
+        let [x, y, total] = sums::of_range(0..slopes.len(), || [0.0; 3], add_one, add);
         [x / total, y / total]
     };
     let distance = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
     let mut mode = mean(&|_| 1.0);
     for _ in 0..MOST_ITERATIONS {
-        let variance = slopes.par_iter().map(|s| distance(s, &mode)).sum::<f64>() / slopes.len() as f64;
+        let add_one = |sum: f64, i: usize| sum + distance(&slopes[i], &mode);
+        let variance = sums::of_range(0..slopes.len(), || 0.0, add_one, |a, b| a + b) / slopes.len() as f64;
         if variance == 0.0 {
             break; // a plane
         }

@@ -1,5 +1,6 @@
 //! The distribution of heights.
 
+use crate::sums;
 use crate::surface::HeightField;
 use crate::surface::si::{metres, metres_of_both, metres_of_option};
 use rayon::prelude::*;
@@ -55,7 +56,7 @@ impl HeightParameters {
             })
         };
         let add = |a: [f64; 4], b: [f64; 4]| [0, 1, 2, 3].map(|i| a[i] + b[i]);
-        let sums = heights.par_chunks(field.columns()).map(moments).reduce(|| [0.0; 4], add);
+        let sums = sums::in_order(heights.par_chunks(field.columns()).map(moments), [0.0; 4], add);
         let [sa, variance, third, fourth] = sums.map(|sum| sum / count);
         let sq = variance.sqrt();
         let (low, high) = field.range();
@@ -88,7 +89,8 @@ pub fn mean(field: &HeightField) -> f64 {
 pub fn deviation(field: &HeightField) -> f64 {
     let mean = mean(field);
     let squares = |row: &[f64]| row.iter().map(|h| (h - mean).powi(2)).sum::<f64>();
-    let total: f64 = field.heights().par_chunks(field.columns()).map(squares).sum();
+    let rows = field.heights().par_chunks(field.columns()).map(squares);
+    let total = sums::in_order(rows, 0.0, |a, b| a + b);
     (total / field.heights().len() as f64).sqrt()
 }
 

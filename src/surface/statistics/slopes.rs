@@ -1,5 +1,6 @@
 //! The distribution of slopes.
 
+use crate::sums;
 use crate::surface::HeightField;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -51,7 +52,7 @@ pub fn rms_slopes(field: &HeightField) -> [f64; 2] {
         [along, down]
     };
     let [along, down] =
-        (0..rows).into_par_iter().map(squares).reduce(|| [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        sums::in_order((0..rows).into_par_iter().map(squares), [0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let mean = |sum: f64, pairs: usize, spacing: f64| (sum / pairs.max(1) as f64).sqrt() / spacing;
     [mean(along, (columns - 1) * rows, dx), mean(down, columns * (rows - 1), dy)]
 }
