@@ -15,7 +15,7 @@ use crate::optics::reflectance::Film;
 use crate::optics::spectrum::Illuminant;
 use crate::render::pigment::Pigment;
 use crate::scene::environment::Environment;
-use crate::scene::{Background, Light, Scene, gltf_file, mtl, obj, ply_file, stl_file};
+use crate::scene::{Background, Light, Scene, gltf_file, obj, ply_file, stl_file};
 use crate::spectra::amplitude::Layers;
 use crate::surface::files::{self, scan::Scan, sidecar::Sidecar};
 use crate::table::{ColorTable, TableReader};
@@ -38,7 +38,7 @@ pub struct UntrustedReader {
 }
 
 /// All readers.
-pub const READERS: [UntrustedReader; 30] = [
+pub const READERS: [UntrustedReader; 29] = [
     UntrustedReader { name: "height_image", read: height_image },
     UntrustedReader { name: "gsf", read: |bytes| scan(files::gsf::read(bytes)) },
     UntrustedReader { name: "gwy", read: |bytes| scan(files::gwy::read(bytes)) },
@@ -63,7 +63,6 @@ pub const READERS: [UntrustedReader; 30] = [
     UntrustedReader { name: "gltf", read: |bytes| gltf_file::from_bytes(bytes).map(drop) },
     UntrustedReader { name: "ply", read: |bytes| ply_file::load(bytes, &Task::silent()).map(drop) },
     UntrustedReader { name: "stl", read: |bytes| stl_file::load(bytes.to_vec(), &Task::silent()).map(drop) },
-    UntrustedReader { name: "mtl", read: materials },
     UntrustedReader { name: "scene", read: scene },
     UntrustedReader { name: "queries", read: |bytes| eval::QueryTable::parse(text(bytes)?).map(drop) },
     UntrustedReader { name: "illuminant", read: |bytes| Illuminant::from_text(text(bytes)?).map(drop) },
@@ -73,14 +72,6 @@ pub const READERS: [UntrustedReader; 30] = [
     UntrustedReader { name: "values", read: values },
     UntrustedReader { name: "command_line", read: command_line },
 ];
-
-/// Reads the colours of materials, which are within 0 to 1.
-fn materials(bytes: &[u8]) -> Result<()> {
-    let colors = mtl::parse(&String::from_utf8_lossy(bytes));
-    let mut channels = colors.values().flat_map(|color| color.to_array());
-    assert!(channels.all(|x| (0.0..=1.0).contains(&x)), "a colour beyond 0 to 1");
-    Ok(())
-}
 
 /// Returns the bytes as text, like [`crate::input::read_text`].
 fn text(bytes: &[u8]) -> Result<&str> {

@@ -31,8 +31,7 @@ pub(super) struct LoadedMesh {
 impl LoadedMesh {
     /// Returns a mesh without a colour.
     pub fn new(mesh: Mesh) -> Self {
-        let notes = mesh.note().map(str::to_owned).into_iter().collect();
-        Self { mesh, color: None, notes }
+        Self { mesh, color: None, notes: Vec::new() }
     }
 
     /// Sets the colour, and notes if it is the mean of several.

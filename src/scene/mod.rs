@@ -15,7 +15,7 @@ pub mod light;
 pub mod mesh;
 mod mesh_colors;
 pub mod mesh_file;
-pub mod mtl;
+mod mtl;
 mod normals;
 pub mod obj;
 pub mod object;

@@ -146,8 +146,12 @@ impl Object {
     /// Returns notes on mesh and material that a user should know, each with the name of its file.
     pub(super) fn notes(&self) -> impl Iterator<Item = String> {
         let mesh = self.mesh_source.name.display();
-        let of_mesh = self.mesh_notes.iter().map(move |note| format!("{mesh}: {note}"));
-        of_mesh.chain(self.reflectance.as_ref().and_then(Reflectance::note))
+        // Without a surface there are no grooves.
+        let direction = self.surface.as_ref().and_then(|_| self.mesh.note());
+        let of_mesh = direction.into_iter().chain(self.mesh_notes.iter().map(String::as_str));
+        of_mesh
+            .map(move |note| format!("{mesh}: {note}"))
+            .chain(self.reflectance.as_ref().and_then(Reflectance::note))
     }
 
     /// Returns the files of the object.
