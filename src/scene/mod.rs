@@ -12,6 +12,7 @@ pub mod gltf_file;
 pub mod incident;
 pub mod lamp;
 pub mod light;
+mod loaded_mesh;
 pub mod mesh;
 mod mesh_colors;
 pub mod mesh_file;
@@ -31,6 +32,7 @@ mod scene_writer;
 pub mod snake;
 pub mod stl_file;
 mod tangents;
+mod up;
 
 pub use camera::Camera;
 pub use corner::Corner;
