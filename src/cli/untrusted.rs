@@ -15,7 +15,7 @@ use crate::optics::reflectance::Film;
 use crate::optics::spectrum::Illuminant;
 use crate::render::pigment::Pigment;
 use crate::scene::environment::Environment;
-use crate::scene::{Background, Light, Scene, gltf_file, mtl, obj, ply_file, stl_file};
+use crate::scene::{Background, Light, Scene, gltf_file, obj, ply_file, stl_file};
 use crate::spectra::amplitude::Layers;
 use crate::surface::files::{
     self,
@@ -75,7 +75,7 @@ pub fn readers() -> Vec<UntrustedReader> {
 }
 
 /// Readers of what is no file of heights.
-const OTHERS: [UntrustedReader; 17] = [
+const OTHERS: [UntrustedReader; 16] = [
     UntrustedReader::new("sidecar", |bytes| Sidecar::parse(text(bytes)?).map(drop)),
     UntrustedReader::new("pigment", |bytes| Pigment::from_bytes(bytes).map(drop)),
     UntrustedReader::new("environment", environment),
@@ -84,7 +84,6 @@ const OTHERS: [UntrustedReader; 17] = [
     UntrustedReader::new("gltf", |bytes| gltf_file::from_bytes(bytes).map(drop)),
     UntrustedReader::new("ply", |bytes| ply_file::load(bytes, &Task::silent()).map(drop)),
     UntrustedReader::new("stl", |bytes| stl_file::load(bytes.to_vec(), &Task::silent()).map(drop)),
-    UntrustedReader::new("mtl", materials),
     UntrustedReader::new("scene", scene),
     UntrustedReader::new("queries", |bytes| eval::QueryTable::parse(text(bytes)?).map(drop)),
     UntrustedReader::new("illuminant", |bytes| Illuminant::from_text(text(bytes)?).map(drop)),
@@ -94,14 +93,6 @@ const OTHERS: [UntrustedReader; 17] = [
     UntrustedReader::new("values", values),
     UntrustedReader::new("command_line", command_line),
 ];
-
-/// Reads the colours of materials, which are within 0 to 1.
-fn materials(bytes: &[u8]) -> Result<()> {
-    let colors = mtl::parse(&String::from_utf8_lossy(bytes));
-    let mut channels = colors.values().flat_map(|color| color.to_array());
-    assert!(channels.all(|x| (0.0..=1.0).contains(&x)), "a colour beyond 0 to 1");
-    Ok(())
-}
 
 /// Returns the bytes as text, like [`crate::input::read_text`].
 fn text(bytes: &[u8]) -> Result<&str> {

@@ -1,6 +1,6 @@
 //! Data of glTF files: buffers within the file or beside it, and the numbers that accessors read from them. Every place is checked: the description may lie.
 
-use super::mesh_file::{self, MAX_BYTES};
+use super::loaded_mesh::{self, MAX_BYTES};
 use crate::error::{Error, Result};
 use crate::memory;
 use base64::Engine;
@@ -129,7 +129,7 @@ fn from_uri(uri: &str, folder: &Path) -> Result<Vec<u8>> {
             "export the mesh as .glb, which holds all data",
         ));
     }
-    mesh_file::read(&folder.join(path))
+    loaded_mesh::read(&folder.join(path))
 }
 
 /// Replaces `%20` and the like by the bytes that they stand for.

@@ -3,9 +3,9 @@
 
 use super::corner::Corner;
 use super::gltf_buffers::GltfBuffers;
+use super::loaded_mesh::LoadedMesh;
 use super::mesh::{MAX_TRIANGLES, Mesh};
 use super::mesh_colors::MeshColors;
-use super::mesh_file::LoadedMesh;
 use super::parts::Parts;
 use crate::error::{Error, Result};
 use crate::memory;
@@ -40,7 +40,7 @@ const MOST_PIECES: usize = 1 << 20;
 pub(super) fn load(bytes: &[u8], folder: &Path, part: Option<&str>, task: &Task) -> Result<LoadedMesh> {
     let (document, blob) = parse(bytes)?;
     let buffers = GltfBuffers::read(&document, blob, folder)?;
-    let mut gathered = Gathered {
+    let mut gathered = GltfTriangles {
         buffers: &buffers,
         parts: Parts::new(part),
         colors: MeshColors::default(),
@@ -126,7 +126,7 @@ fn check_room(bytes: &[u8]) -> Result<()> {
 }
 
 /// Triangles of the nodes so far.
-struct Gathered<'a> {
+struct GltfTriangles<'a> {
     buffers: &'a GltfBuffers,
     parts: Parts,
     colors: MeshColors,
@@ -138,7 +138,7 @@ struct Gathered<'a> {
     task: &'a Task,
 }
 
-impl Gathered<'_> {
+impl GltfTriangles<'_> {
     /// Adds the nodes of the default scene, or the first; all meshes where they are if there is none.
     fn scene(&mut self, document: &Document) -> Result<()> {
         let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {

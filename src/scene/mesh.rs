@@ -46,12 +46,12 @@ pub struct Mesh {
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
     bounds: Bounds,
-    directions: Directions,
+    origin: TangentOrigin,
 }
 
 /// Origin of the directions in which texture coordinates grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Directions {
+enum TangentOrigin {
     /// The texture coordinates of the mesh.
     Given,
     /// The sides of a box: a corner of the mesh has no texture coordinates.
@@ -98,7 +98,7 @@ impl Mesh {
             ));
         }
         step(1)?;
-        let directions = Directions::of(&triangles);
+        let origin = TangentOrigin::of(&triangles);
         let corners = normals::complete(&triangles);
         drop(triangles);
         step(2)?;
@@ -111,22 +111,22 @@ impl Mesh {
             tangent,
             uv: corner.uv.to_array(),
         }));
-        Ok(Self { directions, ..mesh })
+        Ok(Self { origin, ..mesh })
     }
 
     /// Returns a mesh with known frames. The caller guarantees the invariants of [`Mesh`].
     pub(super) fn from_parts(vertices: Vec<Vertex>, indices: Vec<u32>) -> Self {
-        Self { bounds: Bounds::of(vertices.iter()), vertices, indices, directions: Directions::Given }
+        Self { bounds: Bounds::of(vertices.iter()), vertices, indices, origin: TangentOrigin::Given }
     }
 
     /// Returns a note on the direction of grooves if the mesh does not give it; `None` if it does.
     pub fn note(&self) -> Option<&'static str> {
-        match self.directions {
-            Directions::Given => None,
-            Directions::Projected => Some(
+        match self.origin {
+            TangentOrigin::Given => None,
+            TangentOrigin::Projected => Some(
                 "without texture coordinates the direction of the grooves is that of the sides of a box; unwrap the mesh to give it one",
             ),
-            Directions::Arbitrary => Some(
+            TangentOrigin::Arbitrary => Some(
                 "the texture coordinates of each triangle are equal or on a line, so that the direction of the grooves is arbitrary; unwrap the mesh",
             ),
         }
@@ -230,7 +230,7 @@ fn has_area(triangle: &[Corner; 3]) -> bool {
     (b - a).cross(c - a).length() > THINNEST * longest
 }
 
-impl Directions {
+impl TangentOrigin {
     fn of(triangles: &[[Corner; 3]]) -> Self {
         if triangles.iter().flatten().any(|corner| corner.uv.is_none()) {
             return Self::Projected;

@@ -1,6 +1,6 @@
 //! Material files of Wavefront OBJ (`.mtl`): the diffuse colour `Kd` of each material. Textures and all else are left out.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::input;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -30,18 +30,18 @@ fn text_of(name: &str, folder: &Path) -> Result<String> {
     let is_below = path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if !is_below {
         let what = "it lies in another folder than the mesh";
-        return Err(crate::error::Error::input(what, format!("give {EXPECTED}")).at(name));
+        return Err(Error::input(what, format!("give {EXPECTED}")).at(name));
     }
     let mut bytes = Vec::new();
     let file = input::open(&folder.join(path), EXPECTED, MAX_BYTES)?;
-    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| {
-        crate::error::Error::files("it cannot be read", format!("give {EXPECTED}")).caused_by(e).at(name)
-    })?;
+    file.take(MAX_BYTES)
+        .read_to_end(&mut bytes)
+        .map_err(|e| Error::files("it cannot be read", format!("give {EXPECTED}")).caused_by(e).at(name))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// Returns the colours of the materials in the `text` of a file.
-pub fn parse(text: &str) -> BTreeMap<String, Vec3> {
+fn parse(text: &str) -> BTreeMap<String, Vec3> {
     let mut colors = BTreeMap::new();
     let mut name = None;
     for line in text.lines() {

@@ -8,9 +8,9 @@
 //! second pass is tobj's, over the lines that make the mesh.
 
 use super::corner::Corner;
+use super::loaded_mesh::LoadedMesh;
 use super::mesh::{MAX_TRIANGLES, Mesh};
 use super::mesh_colors::MeshColors;
-use super::mesh_file::LoadedMesh;
 use super::mtl;
 use super::parts::Parts;
 use super::polygon::PolygonCutter;

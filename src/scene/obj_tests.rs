@@ -1,7 +1,7 @@
 //! Sound and hostile OBJ files.
 
 use super::super::mesh::tests::assert_sound;
-use super::super::mesh_file;
+use super::super::{loaded_mesh, mesh_file};
 use super::*;
 use crate::task::Task;
 use proptest::prelude::*;
@@ -273,7 +273,7 @@ fn files_that_are_missing_directories_or_huge_are_refused_by_name() {
             .contains("it is a folder")
     );
     let huge = folder.path().join("huge.obj");
-    std::fs::File::create(&huge).unwrap().set_len(mesh_file::MAX_BYTES + 1).unwrap();
+    std::fs::File::create(&huge).unwrap().set_len(loaded_mesh::MAX_BYTES + 1).unwrap();
     assert!(mesh_file::load(&huge, None, &Task::silent()).unwrap_err().to_string().contains("more than the"));
 }
 

@@ -1,7 +1,9 @@
 //! Objects of a scene: a mesh with its surface and its position. Options of the program change the first object of a scene alone.
 
+use super::loaded_mesh::LoadedMesh;
 use super::mesh::{Bounds, Mesh};
-use super::mesh_file::{self, LoadedMesh};
+use super::mesh_file;
+pub use super::up::Up;
 use super::{primitives, snake};
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
@@ -12,7 +14,6 @@ use crate::surface::synth;
 use crate::task::Task;
 use crate::units;
 use glam::{EulerRot, Mat3, Vec3};
-use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Largest number of objects of a scene.
@@ -146,8 +147,12 @@ impl Object {
     /// Returns notes on mesh and material that a user should know, each with the name of its file.
     pub(super) fn notes(&self) -> impl Iterator<Item = String> {
         let mesh = self.mesh_source.name.display();
-        let of_mesh = self.mesh_notes.iter().map(move |note| format!("{mesh}: {note}"));
-        of_mesh.chain(self.reflectance.as_ref().and_then(Reflectance::note))
+        // Without a surface there are no grooves.
+        let direction = self.surface.as_ref().and_then(|_| self.mesh.note());
+        let of_mesh = direction.into_iter().chain(self.mesh_notes.iter().map(String::as_str));
+        of_mesh
+            .map(move |note| format!("{mesh}: {note}"))
+            .chain(self.reflectance.as_ref().and_then(Reflectance::note))
     }
 
     /// Returns the files of the object.
@@ -203,27 +208,6 @@ pub struct MeshSource {
     pub up: Up,
     /// Object, group or material of the file to select; `None`: all faces.
     pub part: Option<String>,
-}
-
-/// Axis of a mesh file that points up.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, Default, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
-pub enum Up {
-    /// Second axis.
-    #[default]
-    Y,
-    /// Third axis.
-    Z,
-}
-
-impl Up {
-    /// Returns the name of the axis.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Y => "y",
-            Self::Z => "z",
-        }
-    }
 }
 
 /// Meshes that scene files can name instead of a file.

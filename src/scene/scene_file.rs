@@ -5,8 +5,9 @@ use super::camera::Camera;
 use super::display_settings::DisplaySettings;
 use super::environment::{self, Environment, Placement};
 use super::light::Light;
+use super::loaded_mesh::LoadedMesh;
 use super::mesh::Bounds;
-use super::mesh_file::{self, LoadedMesh};
+use super::mesh_file;
 use super::object::{
     BUILT_IN_MESHES, Grooves, MAX_OBJECTS, MeshSource, Object, Pose, Up, check_colors, open_mesh,
     reflectance, steps, surface_name,
@@ -109,7 +110,7 @@ impl ObjectDocument {
     /// Opens the object; names of files are relative to `folder`.
     fn open(self, folder: &Path, task: &Task) -> Result<Object> {
         let named_color = self.base_color.map(|Triple(color)| color);
-        check_colors(named_color.unwrap_or_default().map(f64::from))?;
+        check_colors(named_color.into_iter().flatten().map(f64::from))?;
         let pose = Pose {
             position: self.position.0.into(),
             rotation: self.rotation.0.map(|Angle(angle)| angle),
@@ -143,7 +144,7 @@ impl ObjectDocument {
                 .as_deref()
                 .map_or(Ok(Grooves::Along), |text| Grooves::parse(text, folder))?,
             reflectance: reflectance(self.material.as_deref(), self.film.as_deref(), folder)?,
-            base_color: named_color.map(Vec3::from).or(color).unwrap_or_default(),
+            base_color: named_color.map(Vec3::from).or(color).unwrap_or(Vec3::ZERO),
             pigment: self.pigment.map(|p| folder.join(p)),
             is_ground: false,
             mesh_notes: notes,
@@ -233,7 +234,7 @@ impl Scene {
         if overrides.up.is_some() {
             if BUILT_IN_MESHES.contains(&file.mesh.as_str()) {
                 let what = format!("the mesh {} is built in and stands upright", file.mesh);
-                return Err(Error::usage(what, "leave --up away: it is about mesh files"));
+                return Err(Error::usage(what, "leave `up` away: it is about mesh files"));
             }
             file.up = overrides.up;
         }
@@ -506,7 +507,7 @@ mod tests {
             assert!((scene.unit - 2e-3).abs() < 1e-15 && scene.overrides == overrides);
         }
         let built_in = Scene::open_telling("plate".as_ref(), &overrides, &Task::silent());
-        assert!(built_in.map(|_| ()).unwrap_err().to_string().contains("leave --up away"));
+        assert!(built_in.map(|_| ()).unwrap_err().to_string().contains("leave `up` away"));
     }
 
     #[test]

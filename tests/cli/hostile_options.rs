@@ -173,6 +173,9 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--period", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm", "1m"]]),
     ("--patch", &[NO_NUMBER, NO_LENGTH, NO_PAIR, &["1nm", "1m"]]),
     ("--present", &[NO_NUMBER, &["vsync", "FIFO"]]),
+    ("--grooves", &[&["", " ", "xdeg", "deg", "nandeg", "infdeg", "1,5deg"]]), // others are names of files
+    ("--scale", &[NO_NUMBER, NO_LENGTH, &["5nmx5nm"]]),
+    ("--up", &[NO_NUMBER, &["Y", "y", "-z"]]), // y: the plate is no file
     ("--eye", &[NO_NUMBER, NO_TRIPLE, &["0,0,1e10"]]),
     ("--target", &[NO_NUMBER, NO_TRIPLE]),
     ("--field-of-view", &[NO_NUMBER, &["35", "0deg", "-35deg", "171deg", "35um", "nandeg"]]),

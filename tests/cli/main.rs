@@ -20,6 +20,7 @@ mod figures;
 mod hostile_files;
 mod hostile_options;
 mod maps;
+mod mesh_files;
 mod notes;
 mod objects;
 mod orders;

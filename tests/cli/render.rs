@@ -133,7 +133,8 @@ fn more_samples_smooth_the_alpha_of_both_formats_and_a_seed_is_one_picture() {
 #[test]
 fn coverage_of_coherence_areas_is_told_on_request_and_where_it_is_little() {
     let sandbox = Sandbox::with_small_surface();
-    let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    let square =
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
     sandbox.write("square.obj", square);
     let scene = |scale: &str| {
         format!(
@@ -532,7 +533,8 @@ fn a_scene_file_finds_its_mesh_and_surface_beside_itself() {
     let folder = sandbox.path("my scenes");
     fs::create_dir(&folder).unwrap();
     fs::copy(sandbox.path("small.png"), folder.join("skin.png")).unwrap();
-    let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+    let square =
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
     fs::write(folder.join("square.obj"), square).unwrap();
     let scene = "mesh = \"square.obj\"\nup = \"z\"\nsurface = \"skin.png\"\npixel_size = \"83nm\"\nheight = \"137nm\"\n\
                  lights = [\"40,180,2\"]\n[camera]\neye = [1.1, -0.9, 1.5]\ntarget = [0, 0, 0]\n\

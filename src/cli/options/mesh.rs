@@ -36,6 +36,12 @@ impl MeshOptions {
 }
 
 fn grooves(text: &str) -> Result<Grooves> {
+    if text.trim().is_empty() {
+        return Err(Error::usage(
+            "grooves have no direction",
+            "give an angle as in 90deg, radial, or a picture",
+        ));
+    }
     Grooves::parse(text, Path::new(""))
 }
 
@@ -57,6 +63,6 @@ mod tests {
         assert_eq!(grooves("radial").unwrap(), Grooves::Radial);
         assert_eq!(grooves("a.png").unwrap(), Grooves::Map("a.png".into()));
         assert_eq!((up("y").unwrap(), up("z").unwrap()), (Up::Y, Up::Z));
-        assert!(up("x").is_err() && grooves("xdeg").is_err());
+        assert!(up("x").is_err() && grooves("xdeg").is_err() && grooves(" ").is_err());
     }
 }
