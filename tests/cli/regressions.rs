@@ -82,11 +82,11 @@ fn damaged(bytes: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
 #[test]
 fn seeds_that_are_cut_at_every_hundredth_of_their_length_are_read_or_refused_in_a_line() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds");
-    for reader in READERS {
+    for reader in readers() {
         for file in fs::read_dir(root.join(reader.name)).unwrap().map(|entry| entry.unwrap().path()) {
             let bytes = fs::read(&file).unwrap();
             for length in (0..bytes.len()).step_by((bytes.len() / 100).max(1)) {
-                if let Err(error) = (reader.read)(&bytes[..length]) {
+                if let Err(error) = reader.read(&bytes[..length]) {
                     let line = error.to_string();
                     assert!(
                         line.contains("; ") && !line.contains(['\n', '\r', '\u{1b}']),
