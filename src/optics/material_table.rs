@@ -170,7 +170,7 @@ mod tests {
             ("wl,n\n0.4,1\n0.5,1\nwl,k\n0.6,1\n0.7,1\n", "other wavelengths"),
             ("wl,n\n0.4,1\n0.5,1\nwl,k\n0.4,1\n0.5,x\n", "line 6"),
             ("n,wl\n1,0.4\n", "columns are n, wl"),
-            ("wl,n\nwl,k\n", "no row"),
+            ("wl,n\nwl,k\n", "line 2"),
             ("", "no row"),
         ] {
             let e = read(text).unwrap_err().to_string();

@@ -70,8 +70,8 @@ fn matrix(chromaticities: &Chromaticities) -> Result<Option<DMat3>> {
     }
     let [red, green, blue, white] = points.map(|point| point.extend(1.0 - point.x - point.y));
     let primaries = DMat3::from_cols(red, green, blue);
-    let is_bounded = points.iter().all(|point| point.abs().max_element() <= LARGEST);
-    // NaN is not bounded.
+    // NaN is not bounded, and would not be a maximum.
+    let is_bounded = points.iter().all(|point| point.to_array().iter().all(|x| x.abs() <= LARGEST));
     if !is_bounded || primaries.determinant().abs() < SMALLEST_TRIANGLE || white.y < SMALLEST_TRIANGLE {
         return Err(Error::input(
             "the chromaticities in the header of the EXR span no triangle of colours",

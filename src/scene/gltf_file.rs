@@ -94,6 +94,15 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>)> {
             "export it again without compression and extensions",
         ));
     }
+    // The check of the rest indexes with these.
+    let root = document.as_json();
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if primitives.flat_map(|p| p.attributes.values()).any(|index| index.value() >= root.accessors.len()) {
+        return Err(Error::input(
+            "a mesh of the glTF asks for data that it does not have",
+            "export it again",
+        ));
+    }
     let document = Document::from_json(document.into_json()).map_err(damaged)?;
     Ok((document, blob))
 }

@@ -119,6 +119,7 @@ fn descriptions_that_lie_are_refused() {
         (r#""children":[1,2]"#, r#""children":[9]"#, "damaged"),
         (r#""children":[1,2]"#, r#""children":[]"#, "no triangles"),
         (r#""scene":0"#, r#""scene":7"#, "damaged"),
+        (r#""POSITION":0"#, r#""POSITION":3"#, "data that it does not have"),
         (
             r#""scene":0"#,
             r#""extensionsRequired":["KHR_draco_mesh_compression"],"scene":0"#,

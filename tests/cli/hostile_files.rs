@@ -337,7 +337,8 @@ fn names_with_spaces_line_breaks_and_other_bytes_are_names() {
     let odd = |bytes: &[u8]| std::ffi::OsStr::from_bytes(bytes).to_owned();
     let (scene, mesh, light) = (odd(b"\xffs.toml"), odd(b"\xffm.obj"), odd(b"\xffl.csv"));
     fs::write(sandbox.path(&scene), SCENE).unwrap();
-    fs::write(sandbox.path(&mesh), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+    fs::write(sandbox.path(&mesh), triangle).unwrap();
     fs::write(sandbox.path(&light), "380,1\n780,1\n").unwrap();
     for read in [scene, mesh] {
         let words =

@@ -13,7 +13,7 @@ const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\npr
 /// Draws the blazed grating on `scene`.
 fn draw(sandbox: &Sandbox, scene: &str, output: &str, more: &[&str]) -> Outcome {
     let words = ["render", scene, "-o", output, "--surface", "blaze", "--coherence", "gaussian:16um"];
-    let small = ["--tolerance", "1e-1", "--size", "24x16", "--samples", "1", "--light", "35,20"];
+    let small = ["--tolerance", "1e-1", "--size", "24x16", "--samples", "1"];
     sandbox.run2(&words, &[&small[..], more].concat())
 }
 
