@@ -2,7 +2,6 @@
 
 use super::height_spectrum::{SurfaceSpectrum, hann};
 use crate::error::Result;
-use crate::sums;
 use crate::surface::{HeightField, Levelling};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
@@ -63,8 +62,7 @@ impl Harmonics {
             sums
         };
         let add = |a: [Complex<f64>; MOST], b: [Complex<f64>; MOST]| std::array::from_fn(|n| a[n] + b[n]);
-        let rows = (0..level.rows()).into_par_iter().map(row);
-        let sums = sums::in_order(rows, [Complex::default(); MOST], add);
+        let sums = (0..level.rows()).into_par_iter().map(row).reduce(|| [Complex::default(); MOST], add);
         let weight = across.iter().sum::<f64>() * down.iter().sum::<f64>();
         Ok(Self { coefficients: sums[..count].iter().map(|sum| sum / weight).collect() })
     }

@@ -2,7 +2,6 @@
 
 use crate::error::Result;
 use crate::memory;
-use crate::sums;
 use crate::surface::{HeightField, Levelling};
 use rayon::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex};
@@ -60,8 +59,10 @@ impl SurfaceSpectrum {
 
     fn of(field: &HeightField, weight: impl Fn(usize, usize) -> f64 + Sync) -> Result<Self> {
         let samples = [field.columns(), field.rows()];
-        let of_row = |row| (0..samples[0]).map(|column| weight(row, column).powi(2)).sum::<f64>();
-        let energy = sums::in_order((0..samples[1]).into_par_iter().map(of_row), 0.0, |a, b| a + b);
+        let energy: f64 = (0..samples[1])
+            .into_par_iter()
+            .map(|row| (0..samples[0]).map(|column| weight(row, column).powi(2)).sum::<f64>())
+            .sum();
         let scale = 1.0 / (energy * (samples[0] * samples[1]) as f64).sqrt();
         let row = |row: usize, values: &mut [f64]| {
             for (column, (value, h)) in values.iter_mut().zip(field.row(row)).enumerate() {
@@ -111,18 +112,20 @@ impl SurfaceSpectrum {
     /// Folds `part` of (f_x number, f_y number, weight) over all frequencies but 0.
     pub(super) fn sum<T: Send>(
         &self,
-        zero: impl Fn() -> T + Sync,
+        zero: impl Fn() -> T + Sync + Send,
         part: impl Fn(&mut T, usize, usize, f64) + Sync,
-        add: impl Fn(T, T) -> T,
+        add: impl Fn(T, T) -> T + Sync + Send,
     ) -> T {
-        let column = |mut total: T, i: usize| {
-            let weight = self.weight(i);
-            for j in usize::from(i == 0)..self.samples[1] {
-                part(&mut total, i, j, weight);
-            }
-            total
-        };
-        sums::of_range(0..self.half(), zero, column, add)
+        (0..self.half())
+            .into_par_iter()
+            .fold(&zero, |mut total, i| {
+                let weight = self.weight(i);
+                for j in usize::from(i == 0)..self.samples[1] {
+                    part(&mut total, i, j, weight);
+                }
+                total
+            })
+            .reduce(&zero, add)
     }
 
     /// Returns the larger of |f_x| and |f_y|, each relative to its Nyquist frequency.

@@ -2,7 +2,6 @@
 
 use super::height_spectrum::{SurfaceSpectrum, half_transform};
 use crate::error::Result;
-use crate::sums;
 use crate::surface::si::metres_of_option;
 use crate::surface::{HeightField, Levelling};
 use rayon::prelude::*;
@@ -60,8 +59,10 @@ fn direction(spectrum: &SurfaceSpectrum) -> Option<f64> {
         }
         bins
     };
-    let add = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(&b).map(|(a, b)| a + b).collect();
-    let bins = sums::of_range(0..spectrum.half(), || vec![0.0; ANGLES], of_column, add);
+    let bins = (0..spectrum.half())
+        .into_par_iter()
+        .fold(|| vec![0.0; ANGLES], of_column)
+        .reduce(|| vec![0.0; ANGLES], |a, b| a.iter().zip(&b).map(|(a, b)| a + b).collect());
     let strongest = (0..ANGLES).max_by(|a, b| bins[*a].total_cmp(&bins[*b]))?;
     (bins[strongest] > 0.0).then(|| (strongest as f64 + 0.5) * 180.0 / ANGLES as f64)
 }
