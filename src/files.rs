@@ -41,6 +41,9 @@ impl Files {
         let mut outputs: Vec<(Identity, PathBuf)> = Vec::new();
         for path in &self.outputs {
             output::check(path)?;
+            if output::is_nowhere(path) {
+                continue;
+            }
             let identity = Identity::of(path);
             if let Some((_, input)) = inputs.iter().find(|(input, _)| identity.meets(input)) {
                 return Err(refused(path, "is the input", input));

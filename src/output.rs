@@ -17,7 +17,8 @@ const BEFORE_UMASK: u32 = 0o666;
 /// The bytes go to a temporary file in the same folder, which becomes `path` when all of them are on disk. A failure
 /// leaves a former file as it was and nothing new behind; so does a signal that ends the program, where the file system
 /// has files without a name (Linux, most local file systems). A link is followed. A file that is replaced passes on its
-/// permissions, and its owner and group if the system allows that; hard links to it keep the former content.
+/// permissions, and its owner and group if the system allows that; hard links to it keep the former content. What goes to
+/// `/dev/null` is written and forgotten.
 ///
 /// # Errors
 /// Whatever `write` returns; a folder that is missing or not writable; a target that is a folder or a device, or that
@@ -26,6 +27,11 @@ pub fn write_atomically<T>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<T>,
 ) -> Result<T> {
+    if is_nowhere(path) {
+        let folder = std::env::temp_dir();
+        let mut draft = Draft::new(&folder, BEFORE_UMASK).map_err(|e| cannot_create(e, &folder))?;
+        return write(&mut BufWriter::new(draft.file()));
+    }
     let target = resolve(path)?;
     let mut draft = Draft::beside(&target).map_err(|e| e.at(path.display()))?;
     let mut writer = BufWriter::new(draft.file());
@@ -46,7 +52,15 @@ pub fn write_atomically<T>(
 /// # Errors
 /// Those of [`write_atomically`]. A disk that fills up in between is not foreseen.
 pub fn check(path: &Path) -> Result<()> {
+    if is_nowhere(path) {
+        return Ok(());
+    }
     Draft::beside(&resolve(path)?).map(drop).map_err(|e| e.at(path.display()))
+}
+
+/// Returns true for the file that keeps nothing, to which a user sends a result that is not wanted.
+pub fn is_nowhere(path: &Path) -> bool {
+    cfg!(unix) && path == Path::new("/dev/null")
 }
 
 /// File that is being written; removed on drop unless it gets a name.
@@ -275,7 +289,9 @@ mod tests {
         assert!(check(&folder.path().join("no/a.txt")).is_err() && entries(folder.path()) == 1);
         assert!(put(&folder.path().join("file/a.txt"), "x").is_err());
         #[cfg(unix)]
-        assert!(put(Path::new("/dev/null"), "x").unwrap_err().to_string().contains("not a regular file"));
+        assert!(put(Path::new("/dev/zero"), "x").unwrap_err().to_string().contains("not a regular file"));
+        put(Path::new("/dev/null"), "x").unwrap();
+        check(Path::new("/dev/null")).unwrap();
     }
 
     #[cfg(unix)]

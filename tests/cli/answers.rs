@@ -98,6 +98,16 @@ fn several_surfaces_are_described_one_after_the_other_and_bad_ones_named_at_the_
 }
 
 #[test]
+fn a_result_that_is_not_wanted_goes_nowhere() {
+    let sandbox = Sandbox::new();
+    let words = ["orders", "blaze", "--light", "30,0", "--wavelength", "550nm", "--quiet"];
+    let both = ["-o", "/dev/null", "--json", "/dev/null"];
+    assert_eq!(sandbox.run2(&words, &both).done(), "");
+    sandbox.run2(&words, &["-o", "/dev/null", "--json", "a.json"]).done();
+    assert!(json(&sandbox, "a.json")["rows"].as_array().unwrap().len() > 1);
+}
+
+#[test]
 fn devices_are_listed_as_json() {
     let list: Value = serde_json::from_str(&Sandbox::new().run(["devices", "--json"]).done()).unwrap();
     let chosen = list["chosen"].as_u64().unwrap() as usize;

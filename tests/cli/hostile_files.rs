@@ -290,7 +290,7 @@ fn a_folder_that_cannot_be_written_to_is_refused() {
             refused(&sandbox, &arguments);
         }
     }
-    for output in ["/proc/out.png", "missing/out.png", "q.csv/out.png", "closed", "/dev/null"] {
+    for output in ["/proc/out.png", "missing/out.png", "q.csv/out.png", "closed", "/dev/zero"] {
         for arguments in writers(output) {
             refused(&sandbox, &arguments);
         }

@@ -91,7 +91,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ),
     (
         "--plot",
-        &[&["", "none/plot.png", ".", "/dev/null", "grey.png/plot.png", "plot.gif", "plot", "folder.png"]],
+        &[&["", "none/plot.png", ".", "/dev/zero", "grey.png/plot.png", "plot.gif", "plot", "folder.png"]],
     ),
     ("--order", &[NO_NUMBER, &["0", "-1", "1.5", "1001", "99999999999999999999"]]),
     ("--wavelength", &[NO_NUMBER, NO_LENGTH, &["5nm", "1mm", "400nmx500nm"]]),
@@ -137,7 +137,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--view", &[NO_NUMBER, &["90", "-90,0", "0,361", "1,2,3", "30deg"]]),
     ("--geometry", &[&["", " ", "E2194", "45", "d8", "e2194,e2539"]]),
     ("--aperture", &[NO_NUMBER, &["2", "-1deg", "31deg", "2um", "nandeg"]]),
-    ("--spectrum", &[&["", "none/out.csv", ".", "..", "/", "/dev/null", "grey.png/out.csv", "folder.png"]]),
+    ("--spectrum", &[&["", "none/out.csv", ".", "..", "/", "/dev/zero", "grey.png/out.csv", "folder.png"]]),
     // One value, of two.
     ("--sweep", &[NO_NUMBER, NO_RANGE, &["wavelength", "colour"]]),
     ("--least", &[NO_NUMBER, &["-1", "-1e-9", "1.5", "101%", "1e9"]]),
@@ -194,7 +194,7 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--rotate", &[NO_NUMBER, &["30", "361deg", "30um", "Auto", "auto,30deg"]]),
     ("--taper", &[NO_NUMBER, NO_LENGTH, &["2um", "5nmx5nm"]]),
     ("--tile", &[NO_NUMBER, &["mirrors", "mirror:5um", "blend:", "blend:0um", "blend:2um"]]),
-    ("--plot", &[&["", "none/out.png", ".", "/dev/null", "grey.png/out.png", "out.gif", "out"]]),
+    ("--plot", &[&["", "none/out.png", ".", "/dev/zero", "grey.png/out.png", "out.gif", "out"]]),
     ("--beyond", &[NO_NUMBER, &["copy", "COPIES", "copies,alike", "none"]]),
     ("--method", &[NO_NUMBER, &["guess", "SPECTRAL"]]),
     ("--basis", &[NO_NUMBER, &["fourier"]]),
@@ -203,14 +203,14 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--cache-size", &[NO_NUMBER, &["500", "-1MB", "2gib", "8388609TiB", "1e400GB", "infMiB"]]),
     ("--footprint", &[NO_NUMBER, &["-0.1", "-1", "2.1", "0.02um"]]),
     ("--budget", &[NO_NUMBER, &["500", "-1MB", "8mb per", "1e400GB", "1B"]]),
-    ("--check", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null"]]),
-    ("--table", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null"]]),
-    ("--html", &[&["", "none/out.html", ".", "..", "/", "/dev/null", "grey.png/out.html", "folder.png"]]),
-    ("--mesh", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/null", "none/of.obj"]]),
+    ("--check", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/zero"]]),
+    ("--table", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/zero"]]),
+    ("--html", &[&["", "none/out.html", ".", "..", "/", "/dev/zero", "grey.png/out.html", "folder.png"]]),
+    ("--mesh", &[&["", "nothing", ".", "grey.png", "folder.png", "/dev/zero", "none/of.obj"]]),
     ("--answers", &[&["", "nothing.csv", ".", "grey.png"]]), // there is nothing to check
     ("--channel", &[&["", " ", "phase", "0", "2", "-1", "1.0"]]),
     ("--device", &[&["", " ", "nothing", "7", "-1", "99999999999999999999", "\n"]]),
-    ("--folder", &[&["", "/dev/null", "grey.png", "grey.png/trade"]]),
+    ("--folder", &[&["", "/dev/zero", "grey.png", "grey.png/trade"]]),
     ("--fps", &[NO_NUMBER, &["0", "-15", "1e6", "15fps"]]),
     ("--explain", &[&["--explain"]]), // twice
     ("--quick", &[&["--quick"]]),     // twice
@@ -222,8 +222,8 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--samples", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "4097"]]),
     ("--sample-pixels", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "10"]]), // 10: not with spectral
     ("--error", &[NO_NUMBER, &["0", "-3", "1.5", "1e3", "268435457", "ALL", "some"]]),
-    ("--json", &[&["", "none/out.json", ".", "/dev/null", "grey.png/out.json"]]),
-    ("--output", &[&["", "none/out.png", ".", "..", "/", "/dev/null", "grey.png/out.png", "folder.png"]]),
+    ("--json", &[&["", "none/out.json", ".", "/dev/zero", "grey.png/out.json"]]),
+    ("--output", &[&["", "none/out.png", ".", "..", "/", "/dev/zero", "grey.png/out.png", "folder.png"]]),
 ];
 
 /// Arguments with which each command runs, and succeeds where a device is there.
