@@ -178,7 +178,7 @@ fn wavelengths_beyond_what_is_known_of_a_material_are_refused() {
     // Columns have the names that they are read by.
     sandbox.write("swapped.csv", "wavelength,k,n\n300,3.5,0.05\n900,3.5,0.05\n");
     let line = sandbox.run2(&orders, &["550nm", "--material", "swapped.csv"]).refused(1);
-    assert!(line.contains("the columns wavelength (nm), n and k"), "{line}");
+    assert!(line.contains("the columns wavelength (nm or µm), n and k"), "{line}");
 }
 
 #[test]

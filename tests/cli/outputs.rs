@@ -10,7 +10,7 @@ fn with_inputs() -> Sandbox {
     let sandbox = Sandbox::with_small_surface();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n");
     sandbox.write("light.csv", "380,1\n780,1\n");
-    sandbox.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    sandbox.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
     sandbox.write("pigment.png", sandbox.read("small.png"));
     sandbox.write(
         "scene.toml",
