@@ -61,7 +61,7 @@ impl Material {
         Self { name: n.to_string(), index: Index::Constant(n) }
     }
 
-    /// Returns a built-in material by name, or reads a CSV file of wavelength \[nm or µm\], n and k in the forms of [`material_table`]; without k the material
+    /// Returns a built-in material by name, or reads a CSV file of wavelength \[nm or µm\], n and k in the forms of `material_table`; without k the material
     /// absorbs nothing. The first and the last index of a table hold over the rest of 380 to 780 nm, and that of a single wavelength over all of it, as
     /// [`Self::note`] tells.
     ///
