@@ -52,12 +52,12 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     {
         return Ok(scan);
     }
-    if head.counts.is_none()
-        && let Some(scan) = profile::read(&table)?
-    {
+    // Lines with the sizes of an image stand in front of a matrix.
+    let has_sizes = head.counts.is_some() || head.sides.iter().chain(&head.spacing).any(Option::is_some);
+    if !has_sizes && let Some(scan) = profile::read(&table)? {
         return Ok(scan);
     }
-    let is_narrow = table.columns == 2 && head.counts.is_none() && table.numbers.len() > 4;
+    let is_narrow = table.columns == 2 && !has_sizes && table.numbers.len() > 4;
     let TextTable { mut columns, mut numbers, head: lines, titled } = table;
     if titled {
         return Err(Error::input(
