@@ -59,7 +59,8 @@ fn save(sandbox: &Sandbox, display: &Display, name: &str, held: &[u32]) -> RgbIm
 fn the_window_shows_and_saves_what_render_draws_through_drags_keys_drops_and_sizes() {
     let (sandbox, display) = (Sandbox::with_small_surface(), Display::new());
     sandbox.run2(&["surface", "synth", "blaze", "-o", "blaze.png"], &["--patch", "5um"]).done();
-    let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0\nf 1 2 3 4\n";
+    let square =
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0.5\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
     sandbox.write("square.obj", square);
     let program = view(&sandbox, &display, &["sphere"]);
     let window = display.window();
