@@ -17,11 +17,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Streams for the results of a run and for what it says.
 pub struct Streams {
     /// Data that a command is told to read from `-`.
-    pub input: Box<dyn Read + Send>,
+    input: Box<dyn Read + Send>,
     /// Results.
-    pub output: Box<dyn Write + Send>,
+    output: Box<dyn Write + Send>,
     /// Errors and notes.
-    pub errors: Box<dyn Write + Send>,
+    errors: Box<dyn Write + Send>,
     /// True if bars of progress are drawn on the terminal of the process, and results are lost where it has no stdout.
     is_process: bool,
 }
@@ -39,6 +39,24 @@ impl Streams {
     /// Returns the streams of the process, with bars of progress if stderr is a terminal.
     pub fn of_process() -> Self {
         Self { is_process: true, ..Self::new(io::stdin(), io::stdout(), io::stderr()) }
+    }
+
+    /// Writes `text` as a result. Fails if the process has no stdout: nobody reads it.
+    fn write(&mut self, text: &str) -> Result<()> {
+        if self.is_process && closed_stdout::is_closed() {
+            return Err(Error::files(
+                "stdout is closed, so that the result is lost",
+                "send it to a file or a program",
+            ));
+        }
+        match self.output.write_all(text.as_bytes()).and_then(|()| self.output.flush()) {
+            Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::files(
+                format!("stdout cannot be written: {}", error::cause(&e)),
+                "check where it goes",
+            )
+            .caused_by(e)),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -158,10 +176,7 @@ impl Console {
     /// # Errors
     /// Fails if there is no such stream, or if it cannot be written. A closed pipe is no error: the reader has read all that it wanted.
     pub fn write(&self, text: &str) -> Result<()> {
-        let mut streams = self.streams();
-        check_stdout(&streams)?;
-        let text = without_controls(text);
-        written(streams.output.write_all(text.as_bytes()).and_then(|()| streams.output.flush()))
+        self.streams().write(&without_controls(text))
     }
 
     /// Writes the help or the version that the parser has made, in colours if the process has a terminal.
@@ -169,12 +184,9 @@ impl Console {
     /// # Errors
     /// Those of [`Self::write`].
     pub fn write_help(&self, help: &clap::Error) -> Result<()> {
-        let mut streams = self.streams();
-        check_stdout(&streams)?;
-        let text = help.render();
+        let (text, mut streams) = (help.render(), self.streams());
         let in_colours = streams.is_process && io::stdout().is_terminal();
-        let text = if in_colours { text.ansi().to_string() } else { text.to_string() };
-        written(streams.output.write_all(text.as_bytes()).and_then(|()| streams.output.flush()))
+        streams.write(&if in_colours { text.ansi().to_string() } else { text.to_string() })
     }
 
     fn streams(&self) -> MutexGuard<'_, Streams> {
@@ -193,29 +205,6 @@ fn is_input(path: &Path) -> bool {
 /// Returns the name in messages of what [`Console::read_text`] reads from `path`.
 pub fn source_name(path: &Path) -> Cow<'_, str> {
     if is_input(path) { INPUT.into() } else { path.to_string_lossy() }
-}
-
-/// Fails if the process has no stdout: nobody reads the result.
-fn check_stdout(streams: &Streams) -> Result<()> {
-    if streams.is_process && closed_stdout::is_closed() {
-        return Err(Error::files(
-            "stdout is closed, so that the result is lost",
-            "send it to a file or a program",
-        ));
-    }
-    Ok(())
-}
-
-/// Returns the outcome of writing a result.
-fn written(outcome: io::Result<()>) -> Result<()> {
-    match outcome {
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Error::files(
-            format!("stdout cannot be written: {}", error::cause(&e)),
-            "check where it goes",
-        )
-        .caused_by(e)),
-        _ => Ok(()),
-    }
 }
 
 /// Returns `text` with U+FFFD in place of control characters but line breaks and tabs: names of channels and files may hold any.

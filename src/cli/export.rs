@@ -4,7 +4,6 @@ mod page;
 
 use self::page::PageSubject;
 use super::console::Console;
-use super::exported::export_settings;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
 use super::progress::{LESS_WORK, ProgressBar};
 use super::{captions, prepare, write};
@@ -109,7 +108,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let field = source.prepare(arguments.surface.read(&source, console)?.into_field()?)?;
     let optics = arguments.optics.for_directions(&arguments.colour, &field, console)?;
     let optics = Optics { method: Method::Table, ..optics }.checked()?;
-    let settings = ExportSettings { most_bytes, ..export_settings(&optics, arguments.footprint)? };
+    let settings = ExportSettings { most_bytes, ..optics.export_settings(arguments.footprint)? };
     prepare::warn_of_coarse_samples(console, &field, SHORTEST);
     let bar = ProgressBar::new(console, "orders", LESS_WORK);
     let material = ExportedMaterial::new(&field, &settings, &bar.task())?;

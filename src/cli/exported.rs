@@ -2,34 +2,14 @@
 
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
-use crate::export::{ExportReader, ExportSettings, MaterialDescription};
+use crate::export::{ExportReader, MaterialDescription};
 use crate::render::source::{Source, Table};
-use crate::settings::{Method, Optics};
+use crate::settings::Method;
 use crate::setup::SourceSettings;
 use crate::surface::HeightField;
 use crate::table::ColorTable;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Returns the settings of an export for `optics` and footprints from `footprint` on, a standard deviation of (u, v).
-///
-/// # Errors
-/// Fails if the coherence is not Gaussian.
-pub fn export_settings(optics: &Optics, footprint: f64) -> Result<ExportSettings> {
-    let sigma = optics.coherence.sigma();
-    Ok(ExportSettings {
-        sigma: sigma.ok_or_else(|| {
-            Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence)
-        })?,
-        beyond: optics.beyond,
-        illuminant: optics.illuminant.clone(),
-        reflectance: optics.reflectance.clone(),
-        tolerance: optics.tolerance,
-        wavelengths: optics.wavelengths,
-        footprint,
-        most_bytes: None,
-    })
-}
 
 /// Table of an export.
 pub struct ExportedTable {
@@ -58,7 +38,7 @@ impl ExportedTable {
         if settings.optics.method != Method::Table {
             return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
         }
-        let asked = export_settings(&settings.optics, settings.footprints.shorter)?;
+        let asked = settings.optics.export_settings(settings.footprints.shorter)?;
         self.description.check(field, &asked).map_err(|e| e.at(self.folder.display()))?;
         let energy = self.table.header.energy.as_deref().and_then(EnergyMap::of_points).map(Arc::new);
         Ok(Source::Table(Table { table: self.table.clone(), energy }))

@@ -61,7 +61,7 @@ pub fn completions(arguments: &CompletionArguments, console: &Console) -> Result
 }
 
 /// Writes a page for each command.
-pub fn manual(arguments: &ManualArguments, _: &Console) -> Result<()> {
+pub fn manual(arguments: &ManualArguments) -> Result<()> {
     if !arguments.folder.is_dir() {
         let what = format!("{}: there is no such folder", arguments.folder.display());
         return Err(Error::usage(what, "make it, or name another"));

@@ -195,7 +195,7 @@ fn command(command: &Command, console: &Console) -> Result<()> {
         Command::Devices(arguments) => devices::run(arguments, console),
         Command::Help(arguments) => manual::help(arguments, console),
         Command::Completions(arguments) => manual::completions(arguments, console),
-        Command::Manual(arguments) => manual::manual(arguments, console),
+        Command::Manual(arguments) => manual::manual(arguments),
     }
 }
 

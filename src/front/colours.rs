@@ -125,22 +125,32 @@ pub fn check_export(folder: impl AsRef<Path>) -> Result<f64> {
     Ok(ExportReader::open(folder.as_ref())?.check()?.errors().relative_l2)
 }
 
-/// Returns the settings of a table of `optics`.
+/// Returns the settings of a table of `optics`, checked.
 fn settings(optics: &Optics, footprint: f64) -> Result<ExportSettings> {
-    let optics = Optics { method: Method::Table, ..optics.clone() }.checked()?;
-    let sigma = optics.coherence.sigma();
-    Ok(ExportSettings {
-        sigma: sigma.ok_or_else(|| {
-            Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence)
-        })?,
-        beyond: optics.beyond,
-        illuminant: optics.illuminant,
-        reflectance: optics.reflectance,
-        tolerance: optics.tolerance,
-        wavelengths: optics.wavelengths,
-        footprint,
-        most_bytes: None,
-    })
+    Optics { method: Method::Table, ..optics.clone() }.checked()?.export_settings(footprint)
+}
+
+#[doc(hidden)]
+impl Optics {
+    /// Returns the settings of an export for footprints from `footprint` on, a standard deviation of (u, v).
+    ///
+    /// # Errors
+    /// Fails if the coherence is not Gaussian.
+    pub fn export_settings(&self, footprint: f64) -> Result<ExportSettings> {
+        let sigma = self.coherence.sigma();
+        Ok(ExportSettings {
+            sigma: sigma.ok_or_else(|| {
+                Error::usage("a colour table is of Gaussian coherence", Remedy::GaussianCoherence)
+            })?,
+            beyond: self.beyond,
+            illuminant: self.illuminant.clone(),
+            reflectance: self.reflectance.clone(),
+            tolerance: self.tolerance,
+            wavelengths: self.wavelengths,
+            footprint,
+            most_bytes: None,
+        })
+    }
 }
 
 #[cfg(test)]

@@ -35,7 +35,7 @@ fn a_mesh_is_the_same_picture_in_every_format_and_its_options_are_those_of_scene
     draw(&sandbox, "named.toml", "named.exr", &[]).done();
     draw(&sandbox, "plain.toml", "options.exr", &["--scale", "30mm", "--grooves", "40deg"]).done();
     assert_eq!(picture("options.exr"), picture("named.exr"));
-    // What is selected of a file that names no parts, and an axis of a mesh that is none of a file.
+    // A part of a file that names no parts, and an axis of a mesh that comes from no file.
     let part = format!("part = \"a\"\n{lines}");
     sandbox.write("part.toml", part);
     assert!(draw(&sandbox, "part.toml", "no.exr", &[]).refused(1).contains("name no parts"));

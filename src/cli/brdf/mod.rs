@@ -147,7 +147,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let (Some(path), Some(format)) = (&arguments.output, format) else { return Ok(()) };
     let format = match format {
         MapFormat::Picture(format) => format,
-        MapFormat::Csv => return write::file(path, &numbers::table(&map, is_spectral).text()?),
+        MapFormat::Csv => return numbers::write_csv(path, &map, is_spectral),
         MapFormat::Npy => return numbers::write_npy(path, &map, is_spectral),
     };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
@@ -183,7 +183,7 @@ fn write_json(
         optics: AskedOptics::new(&optics),
     };
     let name = arguments.surface.name(arguments.surface_name.as_deref());
-    let table = numbers::table(map, arguments.wavelength.is_some());
+    let table = numbers::table(map, arguments.wavelength.is_some())?;
     let notes = captions::notes(field, console);
     write::json(path, &TableAnswer::new(AskedSurface::new(name, field), settings, &table, &notes))
 }

@@ -3,6 +3,7 @@
 use super::map::{HemisphereMap, views};
 use crate::cli::write::Csv;
 use crate::error::{Error, Result};
+use crate::memory;
 use crate::optics::geometry::angles;
 use crate::output;
 use crate::picture_file::PictureFormat;
@@ -41,20 +42,53 @@ impl MapFormat {
     }
 }
 
-/// Returns the table of `map`: direction cosines and angles of the viewer, and the BRDF \[sr⁻¹\]. At a single wavelength `is_spectral` is true and one
-/// number says it, else linear sRGB.
-pub fn table(map: &HemisphereMap, is_spectral: bool) -> Csv {
-    let mut table = Csv::new();
-    let directions = ["x", "y", "theta_r", "phi_r"];
+/// Returns the names of the columns of a map: at a single wavelength `is_spectral` is true and one number says the BRDF \[sr⁻¹\], else linear sRGB.
+fn columns(is_spectral: bool) -> impl Iterator<Item = &'static str> {
     let values: &[&str] = if is_spectral { &["brdf"] } else { &["r", "g", "b"] };
-    table.row(directions.iter().chain(values).copied());
-    for (place, view) in views(map.side, 0..map.side) {
+    ["x", "y", "theta_r", "phi_r"].into_iter().chain(values.iter().copied())
+}
+
+/// Returns a row for each direction of `map`: direction cosines and angles of the viewer, and the BRDF.
+fn rows(map: &HemisphereMap, is_spectral: bool) -> impl Iterator<Item = impl Iterator<Item = String>> {
+    let values = if is_spectral { 1 } else { 3 };
+    views(map.side, 0..map.side).map(move |(place, view)| {
         let (theta, phi) = angles(view);
         let direction = [view.x, view.y, theta, phi].map(|x| x.to_string());
-        let numbers = map.pixels[place][..values.len()].iter().map(|x| format!("{x:e}"));
-        table.row(direction.into_iter().chain(numbers));
+        direction.into_iter().chain(map.pixels[place][..values].iter().map(|x| format!("{x:e}")))
+    })
+}
+
+/// Returns the table of `map`.
+///
+/// # Errors
+/// Fails if there is too little memory for its text.
+pub fn table(map: &HemisphereMap, is_spectral: bool) -> Result<Csv> {
+    /// Memory of a row as text and as an object of JSON, an upper bound \[bytes\]: seven cells of each.
+    const ROW: u64 = 2048;
+    memory::ensure_room(u64::from(map.side).pow(2) * ROW, "the map as JSON")?;
+    let mut table = Csv::new();
+    table.row(columns(is_spectral));
+    rows(map, is_spectral).for_each(|row| table.row(row));
+    Ok(table)
+}
+
+/// Writes `map` to the CSV file `path`, whole or not at all, row by row.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_csv(path: &Path, map: &HemisphereMap, is_spectral: bool) -> Result<()> {
+    output::write_atomically(path, |file| {
+        csv(file, map, is_spectral).map_err(|e| output::write_failed(path, e))
+    })
+}
+
+fn csv(file: &mut impl Write, map: &HemisphereMap, is_spectral: bool) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(file);
+    table.write_record(columns(is_spectral))?;
+    for row in rows(map, is_spectral) {
+        table.write_record(row.collect::<Vec<_>>())?;
     }
-    table
+    table.flush()
 }
 
 /// Writes `map` to the file `path`, whole or not at all, as an array of N × N numbers at a single wavelength (`is_spectral`), else of

@@ -224,6 +224,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     if let Some(path) = &arguments.plot {
         figure::figure(arguments, &field, &sweep, &found).save(path, &style, &notes)?;
     }
+    let Some(path) = &arguments.json else { return Ok(()) };
     let shift = copies.as_ref().map(CopiedPeriods::relative_shift);
     let reports = reports(arguments, &found, &windows, shift);
     let name = arguments.surface.name(arguments.surface_name.as_deref());
@@ -236,10 +237,10 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
             PeaksDocument { report, answer: TableAnswer::new(input.clone(), settings.clone(), &rows, &notes) }
         })
         .collect();
-    arguments.json.as_deref().map_or(Ok(()), |path| match &documents[..] {
+    match &documents[..] {
         [only] => write::json(path, only),
         all => write::json(path, &all),
-    })
+    }
 }
 
 /// Peaks of an order as JSON: the summary, then the answer with a row for each wavelength.

@@ -30,7 +30,7 @@ pub fn read(table: &TextTable) -> Result<Option<Scan<'static>>> {
         ));
     }
     let [x_unit, h_unit] = units(table)?;
-    let (heights, spacing, told) = resampled(&points);
+    let (heights, spacing, told) = resampled(&points, x_unit.unwrap_or(1.0));
     let spacing_x = spacing * x_unit.unwrap_or(1.0);
     let spacing_y = spacing_x.min(LINE_DISTANCE);
     let (columns, rows) = (heights.len(), (EXTENT / spacing_y).ceil().clamp(1.0, MOST_SAMPLES) as usize);
@@ -71,23 +71,30 @@ fn points(table: &TextTable) -> Option<Vec<[f64; 2]>> {
     points.windows(2).all(|pair| pair[0][0] < pair[1][0]).then_some(points) // NaN is neither
 }
 
-/// Returns the metres of the units that the titles of place and height name; `None` for a title without one.
+/// Returns the metres of the units that the titles of place and height name; `None` for a title without one. Titles stand in the last line in front of the numbers, which may
+/// be a comment.
 ///
 /// # Errors
-/// Fails for a unit of another quantity.
+/// Fails for a unit of another quantity in titles that are no comment.
 fn units(table: &TextTable) -> Result<[Option<f64>; 2]> {
-    let Some(titles) = table.head.last().filter(|_| table.titled) else { return Ok([None; 2]) };
-    let mut found = titles.split([';', '\t', ',']).map(str::trim).filter(|title| !title.is_empty());
-    let mut next = || match found.next().map(unit) {
-        None | Some("") => Ok(None),
-        Some(name) => units::length(name).map(Some).ok_or_else(|| {
-            Error::input(
-                format!("is a profile in `{name}`, which is no length"),
-                "write a column of places and one of heights, with their units in brackets",
-            )
-        }),
+    let Some(line) = table.head.last() else { return Ok([None; 2]) };
+    let plain = line.trim_start_matches(['#', '%', '/']);
+    let separators: &[char] = &[';', '\t', ','];
+    let titles: Vec<&str> = if plain.contains(separators) {
+        plain.split(separators).map(str::trim).filter(|title| !title.is_empty()).collect()
+    } else {
+        plain.split_whitespace().collect()
     };
-    Ok([next()?, next()?])
+    let [place, height] = titles[..] else { return Ok([None; 2]) };
+    let metres = |title: &str| match unit(title) {
+        "" => Ok(None),
+        name if units::length(name).is_some() || !table.titled => Ok(units::length(name)),
+        name => Err(Error::input(
+            format!("is a profile in `{name}`, which is no length"),
+            "write a column of places and one of heights, with their units in brackets",
+        )),
+    };
+    Ok([metres(place)?, metres(height)?])
 }
 
 /// Returns the unit in a title such as `x [um]`, `height (nm)` or `z/nm`; empty if there is none.
@@ -104,8 +111,8 @@ fn unit(title: &str) -> &str {
     last.unwrap_or_default().trim()
 }
 
-/// Returns heights at equal distances along all of `points`, the distance, and a note if they had to be interpolated.
-fn resampled(points: &[[f64; 2]]) -> (Vec<f64>, f64, Option<String>) {
+/// Returns heights at equal distances along all of `points`, the distance, and a note if they had to be interpolated. A place is of this `unit` \[m\].
+fn resampled(points: &[[f64; 2]], unit: f64) -> (Vec<f64>, f64, Option<String>) {
     let [first, last] = [points[0][0], points[points.len() - 1][0]];
     let steps = || points.windows(2).map(|pair| pair[1][0] - pair[0][0]);
     let (least, most) = steps().fold((f64::INFINITY, 0.0_f64), |(a, b), step| (a.min(step), b.max(step)));
@@ -125,8 +132,9 @@ fn resampled(points: &[[f64; 2]]) -> (Vec<f64>, f64, Option<String>) {
         h0 + (h1 - h0) * ((x - x0) / (x1 - x0)).clamp(0.0, 1.0)
     };
     let heights: Vec<f64> = (0..=count as usize).map(height).collect();
+    let [least, most, distance] = [least, most, spacing].map(|length| 1e9 * unit * length);
     let note = format!(
-        "the points of the profile are {least:.4} to {most:.4} apart: heights are interpolated at {} places, {spacing:.4} apart",
+        "the points of the profile are {least:.4} to {most:.4} nm apart: heights are interpolated at {} places, {distance:.4} nm apart",
         heights.len()
     );
     (heights, spacing, Some(note))
@@ -154,6 +162,9 @@ mod tests {
             "x (nm)\theight (um)\n0\t0\n100\t0.05\n200\t0.1\n300\t0.05\n",
             "x/nm;z/nm\n300;50\n200;100\n100;50\n0;0\n",
             "position_um, height_nm\n0, 0\n0.1, 50\n0.2, 100\n0.3, 50\n",
+            "x_um h_nm\n0 0\n0.1 50\n0.2 100\n0.3 50\n",
+            "# x[um] h[nm]\n0 0\n0.1 50\n0.2 100\n0.3 50\n",
+            "# profile of a ruling\n# x (um), z (nm)\n0,0\n0.1,50\n0.2,100\n0.3,50\n",
             "0 0\n1e-7 5e-8\n2e-7 1e-7\n3e-7 5e-8\n",
         ] {
             let scan = profile(text).unwrap_or_else(|| panic!("{text}"));
@@ -171,7 +182,7 @@ mod tests {
     #[test]
     fn unequal_distances_are_interpolated_and_told() {
         let scan = profile("x [um],h [um]\n0,0\n1,0\n1.25,0.2\n2,0.2\n").unwrap();
-        assert!(scan.notes[1].contains("0.2500 to 1.0000 apart"), "{:?}", scan.notes);
+        assert!(scan.notes[1].contains("250.0000 to 1000.0000 nm apart"), "{:?}", scan.notes);
         let ([columns, _], spacing, heights) = samples(scan);
         assert!(columns == 9 && (spacing[0] - 0.25e-6).abs() < 1e-15);
         assert_eq!(
