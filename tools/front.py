@@ -9,6 +9,7 @@ documentation is no part of it. The list comes from rustdoc's JSON, an unstable 
 sets it for rustdoc alone, because for the compiler it would mean another compiler, and everything would be built anew.
 """
 
+import argparse
 import json
 import os
 import subprocess
@@ -123,14 +124,17 @@ class Front:
 
 
 def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", action="store_true", help="write the file instead of comparing with it")
+    arguments = parser.parse_args()
     front = Front(documentation())
-    kinds = ", ".join(f"{count} {kind}s" for kind, count in sorted(Counter(kind for kind, _ in front.items).items()))
+    kinds = ", ".join(f"{count} of kind {kind}" for kind, count in sorted(Counter(kind for kind, _ in front.items).items()))
     print(f"{front.count()} public items: {kinds}")
     if front.named:
         sys.exit("public signatures name types of other crates:\n" + "\n".join(sorted(front.named)))
     if front.count() > MOST_ITEMS:
         sys.exit(f"more than {MOST_ITEMS} public items; hide some, or move them behind `internals`")
-    if "--write" in sys.argv:
+    if arguments.write:
         LIST.write_text(front.text())
     elif not LIST.is_file() or LIST.read_text() != front.text():
         known = set(LIST.read_text().splitlines()) if LIST.is_file() else set()

@@ -147,6 +147,12 @@ impl Spec {
     pub fn with_height(self, height: f64) -> Self {
         Self { height: Some(height), ..self }
     }
+
+    /// Returns the settings of a lamellar grating with ridges of this share of the period, at half of their height, and flanks of this width \[µm\].
+    #[must_use]
+    pub fn with_ridges(self, duty: f64, flank: f64) -> Self {
+        Self { duty: Some(duty), flank: Some(flank), ..self }
+    }
 }
 
 #[cfg(test)]
@@ -171,6 +177,10 @@ mod tests {
         let read = HeightField::read(&path, &settings).unwrap();
         assert!(read.heights().iter().zip(made.heights()).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(made.save(folder.path().join("a.jpg")).is_err());
+        let ridges = Spec::new(SurfaceKind::Lamellar).with_ridges(0.3, 0.0).with_height(0.1);
+        let ridges = HeightField::generate(&ridges).unwrap();
+        let mean = ridges.heights().iter().sum::<f64>() / ridges.heights().len() as f64;
+        assert!((mean - 0.03).abs() < 1e-3, "{mean}");
         assert_eq!(HeightField::open("blaze").unwrap().patch_size(), [20.0; 2]);
     }
 }

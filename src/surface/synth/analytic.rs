@@ -24,8 +24,8 @@ pub(super) fn blaze(grid: &SampleGrid, height: f64) -> Result<HeightField> {
     grid.sample(|x, _| height * (periods * x).fract())
 }
 
-/// Returns ridges of the full `height`, `duty` of the period wide at half of it, with straight flanks that are `flank` of the period wide. For upright flanks, order m takes
-/// sin²(kwH/2) sin²(πmD)/(πm/2)² of the power, with the duty D.
+/// Returns ridges of the full `height`, `duty` of the period wide at half of it, with straight flanks that are `flank` of the period wide. For upright flanks, order m ≠ 0 takes
+/// sin²(kwH/2) sin²(πmD)/(πm/2)² of the power, with the duty D: e^{ikwh} is 1 and e^{ikwH}, and the Fourier series of a rectangle is sin(πmD)/(πm).
 pub(super) fn lamellar(grid: &SampleGrid, height: f64, duty: f64, flank: f64) -> Result<HeightField> {
     let periods = grid.periods[0] as f64;
     grid.sample(|x, _| {

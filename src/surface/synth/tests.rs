@@ -1,5 +1,6 @@
 use super::*;
 use crate::surface::statistics::line_periods;
+use std::f64::consts::{PI, TAU};
 
 fn made(kind: SurfaceKind) -> HeightField {
     generate(&Spec::new(kind)).unwrap()
@@ -225,4 +226,26 @@ fn ridges_of_a_lamellar_grating_have_their_duty_flanks_and_height() {
     let refused = |duty, flank| generate(&Spec { duty: Some(duty), flank: Some(flank), ..spec }).is_err();
     assert!(refused(0.0, 0.0) && refused(1.0, 0.0) && refused(0.4, 0.9) && !refused(0.4, 0.8));
     assert!(generate(&Spec { duty: Some(0.5), ..Spec::new(SurfaceKind::Blaze) }).is_err());
+}
+
+#[test]
+fn orders_of_an_upright_lamellar_grating_are_those_of_a_rectangle() {
+    let spec = Spec { duty: Some(0.25), patch: Some([2.0, 0.5]), ..Spec::new(SurfaceKind::Lamellar) };
+    let field = generate(&spec).unwrap();
+    let (row, z) = (field.row(0), 9.0);
+    let count = row.len() as f64;
+    assert_eq!(row.len() % 4, 0, "edges stand between samples");
+    for m in 1..=5 {
+        let (re, im) = row.iter().enumerate().fold((0.0, 0.0), |(re, im), (i, h)| {
+            let (sin, cos) = (z * h - TAU * f64::from(m) * i as f64 / count).sin_cos();
+            (re + cos / count, im + sin / count)
+        });
+        let power: f64 = re * re + im * im;
+        let order = PI * f64::from(m);
+        let expected =
+            (z * 0.2 / 2.0_f64).sin().powi(2) * (order * 0.25).sin().powi(2) / (order / 2.0).powi(2);
+        // A sum over samples has N sin(πm/N) for πm, which differs by (πm/N)²/6.
+        let of_samples = (order / count).powi(2);
+        assert!((power - expected).abs() <= of_samples * expected + 1e-12, "{m}: {power} {expected}");
+    }
 }
