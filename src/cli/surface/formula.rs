@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use crate::surface::synth::{self, Spec};
-use exmex::{Express, Val};
+use exmex::{BinOp, Express, FlatEx, FloatOpsFactory, MakeOperators, Operator};
 
 /// Variable of a profile: the place in its period, from 0 to 1.
 const VARIABLE: &str = "x";
@@ -12,6 +12,41 @@ const LONGEST: usize = 1000;
 /// Remedy for text that is no formula.
 const FORM: &str =
     "write heights in micrometres over x, as in '0.1*sin(6.2832*x)' or '0.15 if x < 0.5 else 0'";
+
+/// Formula of 64-bit floats.
+type Formula = FlatEx<f64, ProfileOperators>;
+
+/// Operators of a profile: those of floats, and below them comparisons, which are 1 or 0, `&&`, `||`, and `value if condition else other`.
+#[derive(Clone, Debug)]
+struct ProfileOperators;
+
+/// Value of `value if condition` where the condition does not hold: a NaN by whose bits `else` knows it.
+const NO_VALUE: u64 = 0x7ff8_0000_0000_0e15;
+
+impl MakeOperators<f64> for ProfileOperators {
+    fn make<'a>() -> Vec<Operator<'a, f64>> {
+        let binary = |name, prio, apply: fn(f64, f64) -> f64| {
+            Operator::make_bin(name, BinOp { apply, prio, is_commutative: false })
+        };
+        let mut operators = FloatOpsFactory::<f64>::make(); // of priority 0 and more
+        operators.extend([
+            binary("<", -1, |a, b| truth_of(a < b)),
+            binary(">", -1, |a, b| truth_of(a > b)),
+            binary("<=", -1, |a, b| truth_of(a <= b)),
+            binary(">=", -1, |a, b| truth_of(a >= b)),
+            binary("&&", -2, |a, b| truth_of(a != 0.0 && b != 0.0)),
+            binary("||", -3, |a, b| truth_of(a != 0.0 || b != 0.0)),
+            binary("if", -4, |value, holds| if holds == 0.0 { f64::from_bits(NO_VALUE) } else { value }),
+            binary("else", -5, |value, other| if value.to_bits() == NO_VALUE { other } else { value }),
+        ]);
+        operators
+    }
+}
+
+/// Returns 1 for what holds, and else 0.
+fn truth_of(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
+}
 
 /// Makes the grating of the profile `formula`, with the period, patch and sample spacing of `spec`.
 ///
@@ -22,16 +57,15 @@ pub fn grating(formula: &str, spec: &Spec) -> Result<HeightField> {
     if formula.chars().count() > LONGEST {
         return Err(refused(format!("has more than {LONGEST} letters")));
     }
-    let parsed = exmex::parse_val::<i32, f64>(formula)
-        .map_err(|e| refused(format!("is no formula ({e})")).caused_by(e))?;
+    let parsed = Formula::parse(formula).map_err(|e| refused(format!("is no formula ({e})")).caused_by(e))?;
     if let Some(other) = parsed.var_names().iter().find(|name| *name != VARIABLE) {
         return Err(refused(format!("is of {other}, not of x alone")));
     }
     let is_constant = parsed.var_names().is_empty();
     let height = |x: f64| {
-        let place = [Val::Float(x)];
+        let place = [x];
         let value = parsed.eval(if is_constant { &[] } else { &place });
-        value.ok().and_then(|value| value.to_float().ok()).unwrap_or(f64::NAN) // refused as a height
+        value.unwrap_or(f64::NAN) // refused as a height
     };
     synth::from_profile(spec, &height).map_err(|e| e.at(format!("the profile `{}`", shortened(formula))))
 }
@@ -67,6 +101,10 @@ mod tests {
             let place = (column as f64 + 0.5) / wave.columns() as f64 * 2.0;
             assert!((h - expected(place)).abs() < 1e-12);
         }
+        let of_three = made("0.1 if x < 0.25 else 0.2 if x < 0.5 && x > 0 else 1/4").unwrap();
+        let quarter = of_three.columns() / 8;
+        let heights: Vec<f64> = of_three.row(0).iter().copied().step_by(quarter).take(4).collect();
+        assert_eq!(heights, [0.1, 0.2, 0.25, 0.25], "and a quotient of whole numbers is no whole number");
         assert!(made("1").unwrap().heights().iter().all(|h| *h == 1.0));
     }
 
@@ -79,6 +117,8 @@ mod tests {
             ("1/(x-x)", "not a number"),
             ("x<0.5?0.15:0", "`x<0.5?0.15:0`"),
             ("sqrt(-1)", "not a number"),
+            ("0.1 if x < 0.5", "not a number"),
+            ("(-2147483647-1)%(-1)", "is no formula"),
         ] {
             let said = made(formula).unwrap_err().to_string();
             assert!(said.contains(part) && !said.contains('\n'), "{formula}: {said}");
