@@ -24,12 +24,13 @@ pub(super) fn blaze(grid: &SampleGrid, height: f64) -> Result<HeightField> {
     grid.sample(|x, _| height * (periods * x).fract())
 }
 
-/// Returns ridges of the full `height`, `duty` of the period wide at half of it, with straight flanks that are `flank` of the period wide. For upright flanks, order m ≠ 0 takes
+/// Returns ridges of the full `height`, `duty` of the period wide at half of it, with straight flanks that are `flank` of the period wide; the first begins at the patch's border. For upright flanks, order m ≠ 0 takes
 /// sin²(kwH/2) sin²(πmD)/(πm/2)² of the power, with the duty D: e^{ikwh} is 1 and e^{ikwH}, and the Fourier series of a rectangle is sin(πmD)/(πm).
 pub(super) fn lamellar(grid: &SampleGrid, height: f64, duty: f64, flank: f64) -> Result<HeightField> {
     let periods = grid.periods[0] as f64;
     grid.sample(|x, _| {
-        let inside = 0.5 * duty - ((periods * x).fract() - 0.5).abs();
+        let from_middle = (periods * x - 0.5 * duty + 0.5).rem_euclid(1.0) - 0.5;
+        let inside = 0.5 * duty - from_middle.abs();
         let share = if flank > 0.0 { inside / flank + 0.5 } else { f64::from(u8::from(inside > 0.0)) };
         height * share.clamp(0.0, 1.0)
     })

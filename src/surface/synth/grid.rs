@@ -8,7 +8,7 @@ use crate::surface::{HeightField, MAX_SIDE};
 use rayon::prelude::*;
 
 /// The spacing that carries every frequency that light of 0.38 µm and more can see, λ_min/4 \[µm\].
-const FINE_ENOUGH: f64 = 0.095;
+pub(super) const FINE_ENOUGH: f64 = 0.095;
 
 /// A ratio of two lengths that misses a whole number by less than this is one.
 const WHOLE: f64 = 1e-6;
@@ -29,7 +29,10 @@ impl SampleGrid {
             let period = dimensions.period[axis];
             let (patch, periods) = whole_periods(wished, dimensions.patch, period)?;
             let pixel = spec.pixel_size.map(|pixel| pixel[axis]);
-            let samples = samples(patch, periods, pixel, dimensions.spacing)?;
+            let samples = match (pixel, dimensions.of_period) {
+                (None, Some(of_period)) if period > 0.0 => periods * of_period.min(MAX_SIDE / periods),
+                _ => samples(patch, periods, pixel, dimensions.spacing)?,
+            };
             if periods > 0 && samples < 2 * periods {
                 return Err(Error::usage(
                     format!("{samples} samples cannot hold {periods} periods of {period} um"),

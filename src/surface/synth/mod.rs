@@ -67,8 +67,8 @@ pub struct Spec {
 
 /// Default period of a lamellar grating \[µm\].
 const LAMELLAR_PERIOD: f64 = 2.0;
-/// Samples of a period of a profile with edges: each edge is right to a hundredth of the period.
-const PROFILE_SAMPLES: f64 = 64.0;
+/// Samples of a period of a profile with edges, or a divisor of them: edges at whole hundredths of the period stand between samples.
+const PROFILE_SAMPLES: f64 = 100.0;
 
 /// The dimensions of a kind \[µm\].
 struct Dimensions {
@@ -79,6 +79,8 @@ struct Dimensions {
     patch: f64,
     /// Largest sample spacing that shows the finest structure; infinite if the limit from the wavelength of light is enough.
     spacing: f64,
+    /// Samples of each period along `x`, where edges are to stand between samples.
+    of_period: Option<usize>,
 }
 
 impl SurfaceKind {
@@ -149,10 +151,9 @@ impl SurfaceKind {
         };
         let spacing = match self {
             Self::Cd | Self::Dvd => disc_tracks::SPACING,
-            Self::Lamellar => LAMELLAR_PERIOD / PROFILE_SAMPLES,
             _ => f64::INFINITY,
         };
-        Dimensions { period, height, patch, spacing }
+        Dimensions { period, height, patch, spacing, of_period: None }
     }
 }
 
@@ -161,6 +162,13 @@ impl Dimensions {
     fn with_period(self, period: f64) -> Self {
         let scale = period / self.period[0];
         Self { period: [period, self.period[1] * scale], spacing: self.spacing * scale, ..self }
+    }
+
+    /// Returns the dimensions with enough samples of each period along `x` for a profile with edges and for structures of the width `finest`.
+    fn with_edges(self, finest: f64) -> Self {
+        let least = self.period[0] / finest.min(grid::FINE_ENOUGH);
+        let of_period = (least / PROFILE_SAMPLES).ceil().max(1.0) * PROFILE_SAMPLES;
+        Self { of_period: Some(of_period as usize), ..self } // saturates far above what a side may have
     }
 }
 
@@ -183,12 +191,20 @@ pub fn generate(spec: &Spec) -> Result<HeightField> {
             "leave them out or take lamellar",
         ));
     }
+    if spec.kind == SurfaceKind::Lamellar {
+        /// Samples on a flank that show its slope.
+        const ON_FLANK: f64 = 4.0;
+        dimensions = dimensions.with_edges(match spec.flank {
+            Some(flank) if flank > 0.0 => flank / ON_FLANK,
+            _ => f64::INFINITY,
+        });
+    }
     let grid = SampleGrid::new(spec, &dimensions)?;
     match spec.kind {
         SurfaceKind::Flat => analytic::flat(&grid),
         SurfaceKind::Sinusoid => analytic::sinusoid(&grid, height),
         SurfaceKind::Blaze => analytic::blaze(&grid, height),
-        SurfaceKind::Lamellar => lamellar(spec, &dimensions, height),
+        SurfaceKind::Lamellar => lamellar(&grid, spec, dimensions.period[0], height),
         SurfaceKind::Bumps => analytic::bumps(&grid, height),
         SurfaceKind::Elaphe => ridges::make(&grid, height, spec.seed, &ridges::ELAPHE),
         SurfaceKind::Xenopeltis => ridges::make(&grid, height, spec.seed, &ridges::XENOPELTIS),
@@ -224,12 +240,9 @@ fn check(spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// Returns a lamellar grating, with at least four samples on each flank.
-fn lamellar(spec: &Spec, dimensions: &Dimensions, height: f64) -> Result<HeightField> {
-    /// Samples on a flank that show its slope.
-    const ON_FLANK: f64 = 4.0;
+/// Returns a lamellar grating with the duty and the flanks of `spec`.
+fn lamellar(grid: &SampleGrid, spec: &Spec, period: f64, height: f64) -> Result<HeightField> {
     let (duty, flank) = (spec.duty.unwrap_or(0.5), spec.flank.unwrap_or(0.0));
-    let period = dimensions.period[0];
     let flank_share = flank / period;
     if !(duty > 0.0 && duty < 1.0 && flank >= 0.0 && flank_share <= 2.0 * duty.min(1.0 - duty)) {
         return Err(Error::usage(
@@ -239,9 +252,7 @@ fn lamellar(spec: &Spec, dimensions: &Dimensions, height: f64) -> Result<HeightF
             "give a duty between 0 and 1, and flanks that leave a top and a bottom",
         ));
     }
-    let spacing = if flank > 0.0 { dimensions.spacing.min(flank / ON_FLANK) } else { dimensions.spacing };
-    let grid = SampleGrid::new(spec, &Dimensions { spacing, ..*dimensions })?;
-    analytic::lamellar(&grid, height, duty, flank_share)
+    analytic::lamellar(grid, height, duty, flank_share)
 }
 
 /// Makes the grating whose lines have the heights `profile`(x) \[µm\], x from 0 to 1 over the period along x. `spec` gives its period, patch and sample spacing; its kind is
@@ -253,7 +264,7 @@ pub fn from_profile(spec: &Spec, profile: &(dyn Fn(f64) -> f64 + Sync)) -> Resul
     let spec = &Spec { kind: SurfaceKind::Lamellar, ..*spec };
     check(spec)?;
     let dimensions = spec.kind.dimensions().with_period(spec.period.unwrap_or(LAMELLAR_PERIOD));
-    let grid = SampleGrid::new(spec, &dimensions)?;
+    let grid = SampleGrid::new(spec, &dimensions.with_edges(f64::INFINITY))?;
     let periods = grid.periods[0] as f64;
     let field = grid.sample(|x, _| profile((periods * x).fract()))?;
     match spec.height {

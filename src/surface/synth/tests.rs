@@ -230,22 +230,26 @@ fn ridges_of_a_lamellar_grating_have_their_duty_flanks_and_height() {
 
 #[test]
 fn orders_of_an_upright_lamellar_grating_are_those_of_a_rectangle() {
-    let spec = Spec { duty: Some(0.25), patch: Some([2.0, 0.5]), ..Spec::new(SurfaceKind::Lamellar) };
-    let field = generate(&spec).unwrap();
-    let (row, z) = (field.row(0), 9.0);
-    let count = row.len() as f64;
-    assert_eq!(row.len() % 4, 0, "edges stand between samples");
-    for m in 1..=5 {
-        let (re, im) = row.iter().enumerate().fold((0.0, 0.0), |(re, im), (i, h)| {
-            let (sin, cos) = (z * h - TAU * f64::from(m) * i as f64 / count).sin_cos();
-            (re + cos / count, im + sin / count)
-        });
-        let power: f64 = re * re + im * im;
-        let order = PI * f64::from(m);
-        let expected =
-            (z * 0.2 / 2.0_f64).sin().powi(2) * (order * 0.25).sin().powi(2) / (order / 2.0).powi(2);
-        // A sum over samples has N sin(πm/N) for πm, which differs by (πm/N)²/6.
-        let of_samples = (order / count).powi(2);
-        assert!((power - expected).abs() <= of_samples * expected + 1e-12, "{m}: {power} {expected}");
+    for duty in [0.25, 0.3, 0.37] {
+        let spec = Spec { duty: Some(duty), patch: Some([2.0, 0.5]), ..Spec::new(SurfaceKind::Lamellar) };
+        let field = generate(&spec).unwrap();
+        let (row, z) = (field.row(0), 9.0);
+        let count = row.len() as f64;
+        for m in 1..=5 {
+            let (re, im) = row.iter().enumerate().fold((0.0, 0.0), |(re, im), (i, h)| {
+                let (sin, cos) = (z * h - TAU * f64::from(m) * i as f64 / count).sin_cos();
+                (re + cos / count, im + sin / count)
+            });
+            let power: f64 = re * re + im * im;
+            let order = PI * f64::from(m);
+            let expected =
+                (z * 0.2 / 2.0_f64).sin().powi(2) * (order * duty).sin().powi(2) / (order / 2.0).powi(2);
+            // A sum over samples has N sin(πm/N) for πm, which differs by (πm/N)²/6.
+            let of_samples = (order / count).powi(2);
+            let off = (power - expected).abs();
+            assert!(off <= of_samples * expected + 1e-12, "{duty}, {m}: {power} {expected}");
+        }
     }
+    let tiny = Spec { period: Some(0.05), ..Spec::new(SurfaceKind::Lamellar) };
+    assert_eq!(generate(&tiny).unwrap().columns() % 400, 0, "as many samples of each period as there may be");
 }
