@@ -23,6 +23,8 @@ pub struct SurfaceColours {
     table: Arc<ColorTable>,
     reader: TableReader,
     optics: Optics,
+    /// Surface and settings; `None` for the colours of an export.
+    origin: Option<(HeightField, ExportSettings)>,
 }
 
 impl SurfaceColours {
@@ -58,7 +60,7 @@ impl SurfaceColours {
                 table
             }
         };
-        Ok(Self::of(table, optics.clone()))
+        Ok(Self { origin: Some((field.clone(), settings)), ..Self::of(table, optics.clone()) })
     }
 
     /// Reads the colours of the export in `folder`.
@@ -71,7 +73,7 @@ impl SurfaceColours {
 
     fn of(table: ColorTable, optics: Optics) -> Self {
         let table = Arc::new(table);
-        Self { reader: TableReader::new(Arc::clone(&table)), table, optics }
+        Self { reader: TableReader::new(Arc::clone(&table)), table, optics, origin: None }
     }
 
     /// Returns the size of the table \[bytes\].
@@ -82,12 +84,34 @@ impl SurfaceColours {
     /// Returns XYZ of f \[1/sr\] for every pair of directions to the light and to the viewer, averaged over a round footprint of the standard deviation `footprint` of
     /// (u, v); 0 below the horizon.
     pub fn xyz(&self, directions: &[[[f64; 3]; 2]], footprint: f64) -> Vec<[f64; 3]> {
-        let footprint = Covariance::round(footprint.powi(2));
-        let read = |pair: Pair| {
-            let weighted = self.reader.xyz(&pair, &self.optics.reflectance, &footprint);
-            without_cosine(&pair, weighted).to_array()
+        let footprint = Covariance::round(footprint);
+        directions.iter().map(|directions| self.read(pair(directions), &footprint)).collect()
+    }
+
+    /// Returns XYZ of f \[1/sr\] as [`Self::xyz`], each averaged over the footprint of its own with these variances and this covariance of (u, v): uu, uv, vv.
+    pub fn xyz_over(&self, questions: &[([[f64; 3]; 2], [f64; 3])]) -> Vec<[f64; 3]> {
+        let read = |(directions, [uu, uv, vv]): &([[f64; 3]; 2], [f64; 3])| {
+            self.read(pair(directions), &Covariance { uu: *uu, uv: *uv, vv: *vv })
         };
-        directions.iter().map(pair).map(read).collect()
+        questions.iter().map(read).collect()
+    }
+
+    fn read(&self, pair: Pair, footprint: &Covariance) -> [f64; 3] {
+        let weighted = self.reader.xyz(&pair, &self.optics.reflectance, footprint);
+        without_cosine(&pair, weighted).to_array()
+    }
+
+    /// Writes these colours into a `folder` for other programs, as [`Self::export`] does.
+    ///
+    /// # Errors
+    /// Fails for colours that were read from an export, for a folder that is no export or cannot be written, or if the task is cancelled.
+    pub fn save(&self, folder: impl AsRef<Path>, task: &Task) -> Result<()> {
+        let Some((field, settings)) = &self.origin else {
+            return Err(Error::usage("these colours are those of an export", "copy its folder"));
+        };
+        export::check_target(folder.as_ref())?;
+        let material = ExportedMaterial::of_table(Arc::clone(&self.table), field, settings, task)?;
+        write(folder.as_ref(), field, settings, &material)
     }
 
     /// Writes the colours of `field` under `optics` into a `folder` for other programs: textures, shaders, and directions with exact colours to check them by. A former export
@@ -105,10 +129,20 @@ impl SurfaceColours {
         let settings = settings(optics, footprint)?;
         export::check_target(folder.as_ref())?;
         let material = ExportedMaterial::new(field, &settings, task)?;
-        let maker = notes::software().to_owned();
-        let mut description = MaterialDescription::new(field, &settings, &material, maker)?;
-        export::write(folder.as_ref(), &material, &mut description)
+        write(folder.as_ref(), field, &settings, &material)
     }
+}
+
+/// Writes `material` of `field` into `folder`.
+fn write(
+    folder: &Path,
+    field: &HeightField,
+    settings: &ExportSettings,
+    material: &ExportedMaterial,
+) -> Result<()> {
+    let maker = notes::software().to_owned();
+    let mut description = MaterialDescription::new(field, settings, material, maker)?;
+    export::write(folder, material, &mut description)
 }
 
 impl fmt::Debug for SurfaceColours {
