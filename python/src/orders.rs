@@ -93,7 +93,7 @@ fn in_metres(period: &MeasuredPeriod) -> Period {
 /// Returns the columns of `rows` of a wavelength \[µm\] and an order.
 fn order_columns<'py>(py: Python<'py>, rows: &[(f64, GratingOrder)]) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
-    let mut add = |name: &str, value: &dyn Fn(&(f64, GratingOrder)) -> f64| {
+    let add = |name: &str, value: &dyn Fn(&(f64, GratingOrder)) -> f64| {
         columns.set_item(name, column(py, rows.iter().map(value).collect())?)
     };
     add("wavelength", &|(wavelength, _)| metres(*wavelength))?;
@@ -110,7 +110,7 @@ fn order_columns<'py>(py: Python<'py>, rows: &[(f64, GratingOrder)]) -> PyResult
 /// Returns the columns of `peaks`.
 fn peak_columns<'py>(py: Python<'py>, peaks: &[SpectralPeak]) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
-    let mut add = |name: &str, value: &dyn Fn(&SpectralPeak) -> f64| {
+    let add = |name: &str, value: &dyn Fn(&SpectralPeak) -> f64| {
         columns.set_item(name, column(py, peaks.iter().map(value).collect())?)
     };
     add("wavelength", &|peak| metres(peak.wavelength))?;

@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::ffi::OsStr;
 
 /// Channel of the file.
-#[derive(Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct ChannelReport {
     name: String,
     unit: String,
@@ -19,7 +19,7 @@ struct ChannelReport {
 }
 
 /// Report of a height field. As JSON it is the output of `surface info`.
-#[derive(Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct SurfaceReport {
     format: Option<&'static str>,
     samples: [usize; 2],
