@@ -1,7 +1,8 @@
 """Light diffracted by a height field. Lengths are metres, wavelengths too; angles are degrees.
 
-Directions are unit vectors away from the surface in its tangent frame: x along the rows of the height field, y up in its picture, z out of the surface. They are arrays of any
-shape (..., 3), which are broadcast as numpy does.
+Directions are unit vectors away from the surface in its tangent frame: x along the rows of the
+height field, y up in its picture, z out of the surface. They are arrays of any shape (..., 3),
+which are broadcast as numpy does.
 
 =====================  ==========================================================================================
 for                    take
@@ -15,14 +16,16 @@ a page in a notebook   `HeightField.show`
 cache, threads         `Context`
 =====================  ==========================================================================================
 
-Work that takes long releases the interpreter's lock, calls the keyword ``progress`` with the number of parts that are done, the number of all, and the name of the stage, and
-stops within a second after Ctrl-C. With tqdm:
+Work that takes long releases the interpreter's lock, calls the keyword ``progress`` with the number
+of parts that are done, the number of all, and the name of the stage, and stops within a second
+after Ctrl-C. With tqdm:
 
     bar = tqdm.tqdm()
     progress = lambda done, of, stage: bar.reset(of) or bar.update(done)
 
-What cannot be meant raises ValueError, files raise OSError, too little memory MemoryError, and a missing Vulkan device `DeviceError`; each text ends with what helps. All but
-`render` and the standard error of `HeightField.peaks` works without Vulkan.
+What cannot be meant raises ValueError, files raise OSError, too little memory MemoryError, and a
+missing Vulkan device `DeviceError`; each text ends with what helps. All but `render` and the
+standard error of `HeightField.peaks` works without Vulkan.
 
 Examples
 --------

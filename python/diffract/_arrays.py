@@ -4,7 +4,9 @@ import numpy as np
 
 
 def floats(name, value):
-    """Returns `value` as an array of 64-bit floats of this machine; masked elements are NaN. Errors tell the `name` of the argument."""
+    """Returns `value` as an array of 64-bit floats of this machine; masked elements are NaN. Errors
+    tell the `name` of the argument.
+    """
     if isinstance(value, np.ma.MaskedArray):
         value = np.ma.filled(value.astype(np.float64), np.nan)
     try:
@@ -13,7 +15,7 @@ def floats(name, value):
         raise ValueError(f"{name} is no array of numbers ({error}); give rows of the same length") from None
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} has elements of the type {array.dtype}; give real numbers")
-    return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+    return np.require(array, dtype=np.float64, requirements=["C", "A"])
 
 
 def pair(name, value):
@@ -26,9 +28,11 @@ def pair(name, value):
 
 
 def records(columns, kinds=None):
-    """Returns `columns`, arrays by name, as a structured array; `kinds` has the types that are not 64-bit floats."""
+    """Returns `columns`, arrays by name, as a structured array; `kinds` has the types that are not
+    64-bit floats.
+    """
     kinds = kinds or {}
-    dtype = [(name, kinds.get(name, "f8")) for name in columns]
+    dtype = np.dtype([(name, kinds.get(name, "f8")) for name in columns], align=True)
     table = np.empty(len(next(iter(columns.values()))), dtype)
     for name, values in columns.items():
         table[name] = values

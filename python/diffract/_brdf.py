@@ -14,9 +14,11 @@ Progress = Optional[Callable[[int, int, str], Any]]
 class Brdf:
     """BRDF f of a surface in 1/sr, as `HeightField.brdf` makes it.
 
-    It is a function of unit vectors away from the surface in its tangent frame: x along the rows of the height field, y up in its picture, z out of the surface. Arrays of any
-    shape (…, 3) are broadcast against each other and against the wavelengths, as numpy does. Below the horizon f is 0; a NaN makes its answer NaN. What an answer takes beyond
-    its directions is made for the first one. Threads may ask together.
+    It is a function of unit vectors away from the surface in its tangent frame: x along the rows of
+    the height field, y up in its picture, z out of the surface. Arrays of any shape (…, 3) are
+    broadcast against each other and against the wavelengths, as numpy does. Below the horizon f is
+    0; a NaN makes its answer NaN. What an answer takes beyond its directions is made for the first
+    one. Threads may ask together.
 
     Examples
     --------
@@ -52,16 +54,21 @@ class Brdf:
         Returns
         -------
         array
-            Of the shape to which light[..., 0], view[..., 0] and wavelength are broadcast; a number for shape ().
+            Of the shape to which light[..., 0], view[..., 0] and wavelength are broadcast; a number
+            for shape ().
         """
         return self._core.spectral(light, view, wavelength, core(context or self._context), progress)
 
     def xyz(self, light, view, *, progress: Progress = None, context: Context | None = None) -> np.ndarray:
-        """Returns the colour of f in CIE XYZ per sr, of the shape (..., 3). The mirror image of the light in a perfect mirror has Y = 1/cos θ, spread over its solid angle."""
+        """Returns the colour of f in CIE XYZ per sr, of the shape (..., 3). The mirror image of the
+        light in a perfect mirror has Y = 1/cos θ, spread over its solid angle.
+        """
         return self._core.colours(light, view, False, core(context or self._context), progress)
 
     def rgb(self, light, view, *, progress: Progress = None, context: Context | None = None) -> np.ndarray:
-        """Returns the colour of f in linear sRGB per sr, of the shape (..., 3). Colours out of gamut have negative numbers; `diffract.srgb` makes 8-bit ones."""
+        """Returns the colour of f in linear sRGB per sr, of the shape (..., 3). Colours out of
+        gamut have negative numbers; `diffract.srgb` makes 8-bit ones.
+        """
         return self._core.colours(light, view, True, core(context or self._context), progress)
 
     def map(
@@ -87,7 +94,8 @@ class Brdf:
         Returns
         -------
         32-bit array of shape (size, size, 3) or (size, size)
-            Linear sRGB of f, or f at the wavelength, in 1/sr; NaN outside the hemisphere. Element [j, i] is the direction of x = 2(i + 0.5)/size − 1, y = 1 − 2(j + 0.5)/size.
+            Linear sRGB of f, or f at the wavelength, in 1/sr; NaN outside the hemisphere. Element
+            [j, i] is the direction of x = 2(i + 0.5)/size − 1, y = 1 − 2(j + 0.5)/size.
 
         Examples
         --------

@@ -8,7 +8,8 @@ from diffract import _diffract
 
 
 def direction(theta, phi=0.0) -> np.ndarray:
-    """Returns unit vectors at polar angles `theta` from the normal and azimuths `phi` from +x toward +y, in degrees.
+    """Returns unit vectors at polar angles `theta` from the normal and azimuths `phi` from +x
+    toward +y, in degrees.
 
     The angles are broadcast; the result has a last axis of 3.
 
@@ -31,7 +32,8 @@ def linear_srgb(xyz) -> np.ndarray:
 def srgb(linear, exposure: float = 0.0) -> np.ndarray:
     """Returns the 8-bit sRGB that shows colours of linear sRGB after an exposure of so many stops.
 
-    Colours out of gamut lose saturation and keep their hue. A fourth number of each pixel, as `render` has, is left out.
+    Colours out of gamut lose saturation and keep their hue. A fourth number of each pixel, as
+    `render` has, is left out.
 
     Examples
     --------

@@ -15,20 +15,22 @@ _default = None
 class Context:
     """Cache, threads and device of calls.
 
-    Every call that takes long has a keyword ``context``; without it, it takes the default one. Two contexts work at once in two threads. A context is pickled as its settings,
-    and survives a fork.
+    Every call that takes long has a keyword ``context``; without it, it takes the default one. Two
+    contexts work at once in two threads. A context is pickled as its settings, and survives a fork.
 
     Parameters
     ----------
     cache : path, bool, optional
-        Folder that keeps what is computed, for the next call and the next program. It is made if there is none. By default that of the user, ``~/.cache/diffract``; False for no
-        cache.
+        Folder that keeps what is computed, for the next call and the next program. It is made if
+        there is none. By default that of the user, ``~/.cache/diffract``; False for no cache.
     cache_limit : int, optional
         Largest size of the cache in bytes: 2 GiB.
     threads : int, optional
-        Number of threads of its own. By default all contexts share as many as the machine runs at once.
+        Number of threads of its own. By default all contexts share as many as the machine runs at
+        once.
     device : str, optional
-        Part of the name of a Vulkan device, its number, or ``"cpu"`` for one in software. By default the best of the machine.
+        Part of the name of a Vulkan device, its number, or ``"cpu"`` for one in software. By
+        default the best of the machine.
 
     Examples
     --------

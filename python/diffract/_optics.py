@@ -8,23 +8,27 @@ from diffract import _diffract
 # The keywords that most methods share, for their documentation.
 KEYWORDS = """
     coherence : float or (int, int), optional
-        Coherence length of the light in metres: 65e-6, that of sunlight. Two whole numbers are a finite grating of so many copies of the patch along x and y, in fully coherent
-        light.
+        Coherence length of the light in metres: 65e-6, that of sunlight. Two whole numbers are a
+        finite grating of so many copies of the patch along x and y, in fully coherent light.
     material : float or str, optional
-        Refractive index of the surface, the name of a material (glass, keratin, aluminium, silver, gold, copper, nickel, silicon), or a CSV file of wavelength in nm, n and k.
-        By default 1.5.
+        Refractive index of the surface, the name of a material (glass, keratin, aluminium, silver,
+        gold, copper, nickel, silicon), or a CSV file of wavelength in nm, n and k. By default 1.5.
     film : (float, float), optional
         Thickness in metres and refractive index of a thin film on the material.
     polarisation : {"none", "te", "tm"}
         Polarisation of the light.
     theory : {"small-slope", "stam"}
-        Theory of the brightness: the small-slope approximation of first order, limited to what a flat surface reflects, or Stam's factor without a limit.
+        Theory of the brightness: the small-slope approximation of first order, limited to what a
+        flat surface reflects, or Stam's factor without a limit.
     energy : bool, optional
-        True for the theory with the limit of energy, False for that without: another name for `theory`.
+        True for the theory with the limit of energy, False for that without: another name for
+        `theory`.
     beyond : {"copies", "alike"}, optional
-        Continuation of the surface beyond the patch. By default copies where the edges of the patch meet, else a surface that is alike.
+        Continuation of the surface beyond the patch. By default copies where the edges of the patch
+        meet, else a surface that is alike.
     illuminant : str
-        Spectrum of the light of colours: d65, d50, a, e, led, or a CSV file of wavelength in nm and power.
+        Spectrum of the light of colours: d65, d50, a, e, led, or a CSV file of wavelength in nm and
+        power.
     tolerance : float
         Relative error that is accepted.
 """
@@ -47,7 +51,8 @@ def optics(
     if energy is not None:
         named = "small-slope" if energy else "stam"
         if theory not in (None, named):
-            raise ValueError(f"energy={energy} is the theory {named!r}, and theory={theory!r} is not; leave one away")
+            what = f"energy={energy} is the theory {named!r}, and theory={theory!r} is not"
+            raise ValueError(f"{what}; leave one away")
         theory = named
     return _diffract.CoreOptics(
         coherence, material, film, polarisation, theory, beyond, illuminant, tolerance, method, windows

@@ -12,7 +12,9 @@ from typing import Union
 
 
 class Page:
-    """Page that shows a material in a browser with WebGL 2, as `HeightField.show` makes it. A notebook shows it as it is."""
+    """Page that shows a material in a browser with WebGL 2, as `HeightField.show` makes it. A
+    notebook shows it as it is.
+    """
 
     def __init__(self, text: str, height: int) -> None:
         self.html = text

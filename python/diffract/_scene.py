@@ -43,7 +43,8 @@ class Light:
 
     @classmethod
     def parse(cls, words: str) -> Light:
-        """Returns the light of these words of the command line: ``40,90``, ``sun:40,90``, ``disc:5deg:40,90``, ``sphere:0.1:0,0,2``, ``rectangle:0.4x0.2:0,-1,1``, each with an
+        """Returns the light of these words of the command line: ``40,90``, ``sun:40,90``,
+        ``disc:5deg:40,90``, ``sphere:0.1:0,0,2``, ``rectangle:0.4x0.2:0,-1,1``, each with an
         optional spectrum behind ``@``."""
         light = cls.__new__(cls)
         light._core = _diffract.CoreLight.from_words(words)
@@ -63,7 +64,8 @@ class Mesh:
     faces : array of shape (m, 3)
         Numbers of the corners of each triangle, from 0, counter-clockwise as seen from outside.
     uv : array of shape (n, 2), optional
-        Texture coordinates of each vertex: the x axis of a surface follows growing u. Without any they are projected along the axes.
+        Texture coordinates of each vertex: the x axis of a surface follows growing u. Without any
+        they are projected along the axes.
 
     Examples
     --------
@@ -90,11 +92,13 @@ class Object:
     mesh : Mesh
         Its shape.
     surface : str or path, optional
-        Built-in surface or file. The first object of a scene has the surface that is rendered instead.
+        Built-in surface or file. The first object of a scene has the surface that is rendered
+        instead.
     pigment : (float, float, float)
         Albedo below the surface, linear sRGB from 0 to 1.
     grooves : float, optional
-        Angle in degrees by which the x axis of the surface is turned from growing u toward growing v.
+        Angle in degrees by which the x axis of the surface is turned from growing u toward growing
+        v.
     size : float
         Factor of its size.
     position : (float, float, float)
@@ -127,11 +131,13 @@ class Scene:
     Parameters
     ----------
     objects : str, path, Mesh, or sequence of Object and Mesh
-        Built-in scene (snake, plate, sphere, disc, cd, skin), scene file (.toml), mesh file (.obj, .gltf, .glb, .ply, .stl), or objects.
+        Built-in scene (snake, plate, sphere, disc, cd, skin), scene file (.toml), mesh file (.obj,
+        .gltf, .glb, .ply, .stl), or objects.
     lights : sequence of Light, or words of lights, optional
         Instead of the scene's.
     camera : (eye, target, angle), optional
-        Place of the camera, the point that it looks at, and its vertical angle of view in degrees, instead of the scene's.
+        Place of the camera, the point that it looks at, and its vertical angle of view in degrees,
+        instead of the scene's.
     surroundings : str, optional
         Built-in surroundings such as ``"sky"``, or an equirectangular .exr or .hdr picture.
     rotation, stops : float
@@ -144,7 +150,8 @@ class Scene:
     Examples
     --------
     >>> import diffract
-    >>> scene = diffract.Scene("plate", lights=["30,0", diffract.Light(50, 90)], camera=((0, -3, 3), (0, 0, 0), 30))
+    >>> lights = ["30,0", diffract.Light(50, 90)]
+    >>> scene = diffract.Scene("plate", lights=lights, camera=((0, -3, 3), (0, 0, 0), 30))
     """
 
     __slots__ = ("_core",)
@@ -239,7 +246,8 @@ def render(
     Returns
     -------
     32-bit array of shape (height, width, 4)
-        Linear radiance in sRGB, signed and premultiplied by alpha, the share of a pixel that objects cover; row 0 is the top. `srgb` makes what a screen shows.
+        Linear radiance in sRGB, signed and premultiplied by alpha, the share of a pixel that
+        objects cover; row 0 is the top. `srgb` makes what a screen shows.
 
     Raises
     ------

@@ -27,13 +27,14 @@ _INTEGERS = {"m": "i8", "n": "i8", "branch": "i8", "is_clear": "?"}
 class HeightField:
     """Heights of a patch of surface on a regular grid.
 
-    Row 0 is the top of a height image: x grows along a row, y grows up, and heights grow toward the viewer. Nothing changes a field; `prepare` returns another one.
+    Row 0 is the top of a height image: x grows along a row, y grows up, and heights grow toward the
+    viewer. Nothing changes a field; `prepare` returns another one.
 
     Parameters
     ----------
     heights : array of shape (rows, columns)
-        Heights in metres, of any type of real numbers. NaN and masked elements were not measured: each is filled with the mean of its measured neighbours, and a warning tells
-        how many.
+        Heights in metres, of any type of real numbers. NaN and masked elements were not measured:
+        each is filled with the mean of its measured neighbours, and a warning tells how many.
     pixel_size : float or (float, float)
         Distance of samples along x and y in metres.
 
@@ -73,19 +74,21 @@ class HeightField:
     ) -> HeightField:
         """Reads the file of a microscope, of a program for surfaces, or a grey image.
 
-        The formats are those of the command line: .gwy, .gsf, .sur, .x3p, .spm, .ibw, .nid, .tif, .png, .npy and some forty others. What a user should know of the file is told
-        as a warning.
+        The formats are those of the command line: .gwy, .gsf, .sur, .x3p, .spm, .ibw, .nid, .tif,
+        .png, .npy and some forty others. What a user should know of the file is told as a warning.
 
         Parameters
         ----------
         path : path
             File.
         channel : str or int, optional
-            Channel of a file that has several, by name or by number from 1. By default the first height.
+            Channel of a file that has several, by name or by number from 1. By default the first
+            height.
         pixel_size : float or (float, float), optional
             Distance of samples along x and y in metres, instead of the file's.
         height : float, optional
-            Height in metres of white above black for an image; the range of the heights for another file, instead of the file's.
+            Height in metres of white above black for an image; the range of the heights for another
+            file, instead of the file's.
 
         Examples
         --------
@@ -140,14 +143,18 @@ class HeightField:
         >>> diffract.HeightField.generate("lamellar", period=1e-6, height=150e-9, duty=0.4)
         HeightField(1280 x 1280, 15.6 nm apart, heights over 150 nm)
         """
-        lengths = [None if value is None else pair(name, value) for name, value in (("patch", patch), ("pixel_size", pixel_size))]
-        return cls._of(
-            _diffract.CoreField.generate(kind, seed, *lengths, period, height, duty, flank, core(context))
+        patch = None if patch is None else pair("patch", patch)
+        pixels = None if pixel_size is None else pair("pixel_size", pixel_size)
+        found = _diffract.CoreField.generate(
+            kind, seed, patch, pixels, period, height, duty, flank, core(context)
         )
+        return cls._of(found)
 
     @property
     def heights(self) -> np.ndarray:
-        """Heights in metres, (rows, columns), as a view that may only be read: it is made once, and each access is the same memory."""
+        """Heights in metres, (rows, columns), as a view that may only be read: it is made once, and
+        each access is the same memory.
+        """
         return self._core.heights()
 
     @property
@@ -164,8 +171,7 @@ class HeightField:
     @property
     def patch_size(self) -> Tuple[float, float]:
         """Sides of the patch along x and y in metres."""
-        (columns, rows), (dx, dy) = self._core.size(), self._core.pixel_size()
-        return columns * dx, rows * dy
+        return tuple(self._core.patch_size())
 
     @property
     def name(self) -> str:
@@ -180,8 +186,9 @@ class HeightField:
     def prepare(self, *steps: str, context: Context | None = None) -> HeightField:
         """Returns the field after these steps, in the words of the command line and in their order.
 
-        Steps are ``level mean``, ``level plane``, ``level bow``, ``level rows``, ``level rows-median``, ``despike``, ``destripe``, ``crop 40um``, ``crop 10umx20um``, ``resample 95nm``,
-        ``rotate 30deg``, ``taper 5um``, ``tile blend``, ``invert`` and others.
+        Steps are ``level mean``, ``level plane``, ``level bow``, ``level rows``, ``level
+        rows-median``, ``despike``, ``destripe``, ``crop 40um``, ``crop 10umx20um``, ``resample
+        95nm``, ``rotate 30deg``, ``taper 5um``, ``tile blend``, ``invert`` and others.
 
         Examples
         --------
@@ -194,7 +201,9 @@ class HeightField:
         return self._of(self._core.prepare(list(steps), core(context)))
 
     def save(self, path: Union[str, os.PathLike], *, context: Context | None = None) -> None:
-        """Writes the field in the format of the extension: .gsf, .gwy, .npy, .tif, .txt or .x3p; whole or not at all."""
+        """Writes the field in the format of the extension: .gsf, .gwy, .npy, .tif, .txt or .x3p;
+        whole or not at all.
+        """
         self._core.save(os.fspath(path), core(context))
 
     def info(
@@ -206,7 +215,8 @@ class HeightField:
         illuminant: str | None = None,
         context: Context | None = None,
     ) -> dict:
-        """Measures the field; returns what the command ``surface info --json`` tells, in metres and degrees.
+        """Measures the field; returns what the command ``surface info --json`` tells, in metres and
+        degrees.
 
         Examples
         --------
@@ -226,8 +236,9 @@ class HeightField:
         Returns
         -------
         structured array
-            length, length_spread, amplitude in metres; direction, direction_spread in degrees from +x, across the grooves. Spreads are standard deviations over parts of the field,
-            NaN where parts are too small.
+            length, length_spread, amplitude in metres; direction, direction_spread in degrees from
+            +x, across the grooves. Spreads are standard deviations over parts of the field, NaN
+            where parts are too small.
 
         Examples
         --------
@@ -244,8 +255,11 @@ class HeightField:
             "direction_spread": "direction_spread_deg",
             "amplitude": "amplitude_m",
         }
-        columns = {name: [np.nan if row[key] is None else row[key] for row in found] for name, key in names.items()}
-        return records(columns)
+
+        def column(key):
+            return [np.nan if row[key] is None else row[key] for row in found]
+
+        return records({name: column(key) for name, key in names.items()})
 
     @documented
     def brdf(
@@ -274,7 +288,8 @@ class HeightField:
         method : {"spectral", "reference"}
             Sum over the orders to the tolerance, or the reference in 64-bit floats without any.
         windows : {"all", "one"}
-            Mean over all places of the coherence window, as a pixel sees it, or one window in the middle, which shows speckle and takes the reference.
+            Mean over all places of the coherence window, as a pixel sees it, or one window in the
+            middle, which shows speckle and takes the reference.
         shortest : float
             Shortest wavelength in metres that the reference answers.
 
@@ -287,10 +302,23 @@ class HeightField:
         (3,)
         """
         settings = optics(
-            coherence, material, film, polarisation, theory, energy, beyond, illuminant, tolerance, method, windows
+            coherence,
+            material,
+            film,
+            polarisation,
+            theory,
+            energy,
+            beyond,
+            illuminant,
+            tolerance,
+            method,
+            windows,
         )
         is_quick = method == "spectral" and windows == "all" and not isinstance(coherence, tuple)
-        return Brdf(_diffract.CoreBrdf(self._core, settings, is_quick, shortest, core(context), progress), context)
+        found = _diffract.CoreBrdf(
+            self._core, settings, is_quick, shortest, core(context), progress
+        )
+        return Brdf(found, context)
 
     @documented
     def orders(
@@ -323,8 +351,10 @@ class HeightField:
         Returns
         -------
         structured array
-            A row for each order above the horizon: wavelength in metres; m and n, its numbers along x and y; theta and phi, its direction in degrees; efficiency, the share of the
-            light that it takes; reflectance, with which Stam's factor would give the efficiency; period in metres of the grating whose first order it is, NaN for the specular one.
+            A row for each order above the horizon: wavelength in metres; m and n, its numbers along
+            x and y; theta and phi, its direction in degrees; efficiency, the share of the light
+            that it takes; reflectance, with which Stam's factor would give the efficiency; period
+            in metres of the grating whose first order it is, NaN for the specular one.
 
         Examples
         --------
@@ -364,14 +394,16 @@ class HeightField:
         progress: Progress = None,
         context: Context | None = None,
     ) -> Peaks:
-        """Finds the angle of the brightest light of each wavelength, and the period that follows by the grating equation.
+        """Finds the angle of the brightest light of each wavelength, and the period that follows by
+        the grating equation.
 
         Parameters
         ----------
         theta_i : float
             Angle of the light in degrees from the normal, positive toward the axis.
         angles : array
-            Growing angles of view to search, in degrees from the normal toward the axis; the mirror direction stands at −theta_i.
+            Growing angles of view to search, in degrees from the normal toward the axis; the mirror
+            direction stands at −theta_i.
         wavelengths : array
             Growing wavelengths in metres; by default 380 nm to 780 nm in steps of 1 nm.
         axis : {"x", "y"} or float
@@ -381,7 +413,8 @@ class HeightField:
         period : float, optional
             Expected period in metres: peaks are then sought within half an order of it.
         over_windows : bool
-            True for the standard error of the period over windows of the surface, which takes a Vulkan device; without one, it is left out with a warning.
+            True for the standard error of the period over windows of the surface, which takes a
+            Vulkan device; without one, it is left out with a warning.
         {optics}
         method : {"spectral", "reference"}
             As for `brdf`.
@@ -424,12 +457,14 @@ class HeightField:
         progress: Progress = None,
         context: Context | None = None,
     ) -> ColourTable:
-        """Returns a table of the colours in all directions, which is read in no time and kept in the cache.
+        """Returns a table of the colours in all directions, which is read in no time and kept in
+        the cache.
 
         Parameters
         ----------
         footprint : float
-            Smallest footprint that it serves, as a standard deviation of (u, v), the sum of the directions to light and viewer along x and y; 0 for single directions.
+            Smallest footprint that it serves, as a standard deviation of (u, v), the sum of the
+            directions to light and viewer along x and y; 0 for single directions.
         {optics}
 
         Examples
@@ -460,7 +495,8 @@ class HeightField:
         illuminant: str | None = None,
         tolerance: float | None = None,
     ) -> Any:
-        """Returns the page that the command ``export --html`` writes: the material on a turning body, in a notebook of this height in pixels.
+        """Returns the page that the command ``export --html`` writes: the material on a turning
+        body, in a notebook of this height in pixels.
 
         The page loads nothing; ``field.show().save("page.html")`` writes it to a file.
         """
@@ -505,18 +541,24 @@ class Peaks:
     Attributes
     ----------
     table : structured array
-        A row for each wavelength: wavelength in metres; angle of the peak in degrees; period in metres; response, the BRDF in 1/sr; is_clear, True if the maximum lies inside the
-        range of angles; branch, the number of the branch of maxima on which the largest lies, or −1 where there is one alone. NaN where nothing is found.
+        A row for each wavelength: wavelength in metres; angle of the peak in degrees; period in
+        metres; response, the BRDF in 1/sr; is_clear, True if the maximum lies inside the range of
+        angles; branch, the number of the branch of maxima on which the largest lies, or −1 where
+        there is one alone. NaN where nothing is found.
     period : float
         Mean period in metres, of the strongest branch if there are several; NaN if there is none.
     deviation : float
-        Standard deviation over the wavelengths in metres. All of them see the same piece of surface: quote `error` where there is one.
+        Standard deviation over the wavelengths in metres. All of them see the same piece of
+        surface: quote `error` where there is one.
     error : float
-        Standard error over windows of the surface in metres; NaN where there are too few, or no device.
+        Standard error over windows of the surface in metres; NaN where there are too few, or no
+        device.
     interval : float
-        Half the width of the 95 % confidence interval in metres; NaN where fewer than four windows are independent.
+        Half the width of the 95 % confidence interval in metres; NaN where fewer than four windows
+        are independent.
     branches : list of dict
-        Period, deviation, error, interval and number of wavelengths of each branch; empty for one alone.
+        Period, deviation, error, interval and number of wavelengths of each branch; empty for one
+        alone.
     """
 
     def __init__(self, table, whole, branches) -> None:
@@ -531,7 +573,8 @@ class Peaks:
     def __repr__(self) -> str:
         clear = int(np.count_nonzero(self.table["is_clear"]))
         uncertain = self.deviation if np.isnan(self.error) else self.error
-        return f"Peaks(period {_words(self.period)} ± {_words(uncertain)}, {clear} of {len(self.table)} wavelengths clear)"
+        period = f"period {_words(self.period)} ± {_words(uncertain)}"
+        return f"Peaks({period}, {clear} of {len(self.table)} wavelengths clear)"
 
 
 def _period(found) -> dict:

@@ -14,10 +14,12 @@ Progress = Optional[Callable[[int, int, str], Any]]
 
 
 class ColourTable:
-    """Colours of a surface in all directions, averaged over footprints, as `HeightField.table` makes it or `load_export` reads it.
+    """Colours of a surface in all directions, averaged over footprints, as `HeightField.table`
+    makes it or `load_export` reads it.
 
-    A footprint is what a pixel, a lens and a light cover: the standard deviation of (u, v), the sums of the directions to light and viewer along x and y. Covariances of
-    (u, v), of the shape (..., 2, 2), serve footprints that are longer than wide.
+    A footprint is what a pixel, a lens and a light cover: the standard deviation of (u, v), the
+    sums of the directions to light and viewer along x and y. Covariances of (u, v), of the shape
+    (..., 2, 2), serve footprints that are longer than wide.
     """
 
     __slots__ = ("_core", "_footprint", "_context")
@@ -70,7 +72,9 @@ class ColourTable:
         progress: Progress = None,
         context: Context | None = None,
     ) -> None:
-        """Writes the table into a `folder` for other programs: textures, shaders, and directions with exact colours to check them by. A former export there is replaced."""
+        """Writes the table into a `folder` for other programs: textures, shaders, and directions
+        with exact colours to check them by. A former export there is replaced.
+        """
         self._core.export(os.fspath(folder), core(context or self._context), progress)
 
     def __repr__(self) -> str:
@@ -93,5 +97,7 @@ def load_export(folder: Union[str, os.PathLike], *, context: Context | None = No
 
 
 def check_export(folder: Union[str, os.PathLike], *, context: Context | None = None) -> float:
-    """Reads every file of the export in `folder`, and returns the relative L2 error of its colours against the exact ones."""
+    """Reads every file of the export in `folder`, and returns the relative L2 error of its colours
+    against the exact ones.
+    """
     return _diffract.CoreTable.check(os.fspath(folder), core(context))

@@ -2,8 +2,8 @@
 
 use crate::errors::{argument, wrong_type};
 use crate::units::micrometres;
-use numpy::ndarray::{ArrayD, ArrayViewD, Axis, Dimension, IxDyn};
-use numpy::{IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn};
+use numpy::ndarray::{ArrayD, ArrayViewD, Axis, IxDyn};
+use numpy::{IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use std::collections::BTreeMap;
@@ -17,7 +17,9 @@ const GIVE_DIRECTIONS: &str =
 /// Returns the argument called `name` as an array of 64-bit floats: as it is where it is one, else converted. Masked elements are NaN.
 pub fn floats<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     static CONVERT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    if let Ok(array) = value.cast_exact::<PyArrayDyn<f64>>() {
+    if let Ok(array) = value.cast_exact::<PyArrayDyn<f64>>()
+        && is_aligned(array)
+    {
         return Ok(array.readonly());
     }
     let py = value.py();
@@ -25,6 +27,13 @@ pub fn floats<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<PyReadonly
     let array = convert.call1((name, value))?;
     let array = array.cast::<PyArrayDyn<f64>>().map_err(|_| wrong_type(name, "is no array of numbers"))?;
     Ok(array.readonly())
+}
+
+/// Returns true if each element stands where a float of the machine may: a column of a packed table may not.
+fn is_aligned(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
+    let size = align_of::<f64>();
+    let is_multiple = |stride: &isize| stride.unsigned_abs().is_multiple_of(size);
+    array.data().addr().is_multiple_of(size) && array.strides().iter().all(is_multiple)
 }
 
 /// Argument that takes part in broadcasting: its name, its array, and the axes at the end that belong to one element.
@@ -266,6 +275,5 @@ pub fn rows(name: &str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<([usize
         Some(heights) => heights.to_vec(),
         None => view.iter().copied().collect(),
     };
-    debug_assert_eq!(view.dim().ndim(), 2);
     Ok((size, heights))
 }

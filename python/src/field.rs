@@ -155,6 +155,11 @@ impl CoreField {
         self.field.pixel_size().map(metres)
     }
 
+    /// Sides of the patch along x and y \[m\].
+    fn patch_size(&self) -> [f64; 2] {
+        self.field.patch_size().map(metres)
+    }
+
     /// Lowest and highest height \[m\].
     fn range(&self) -> (f64, f64) {
         let (low, high) = self.field.range();

@@ -261,6 +261,44 @@ mod tests {
     }
 
     #[test]
+    fn a_map_has_the_averages_of_its_pixels_and_nothing_outside_the_hemisphere() {
+        const SIDE: u32 = 16;
+        let optics = Optics::new().with_coherence_length(20.0);
+        let task = Task::silent();
+        let brdf = SurfaceBrdf::new(&grating(), &optics, &task).unwrap();
+        let light = direction(30.0, 0.0);
+        let map = brdf.map(light, SIDE, Some(0.55), &task).unwrap();
+        assert_eq!((map.len(), map[0], map[(SIDE * SIDE / 2 + SIDE / 2) as usize][3]), (256, [0.0; 4], 1.0));
+        // On the disc of direction cosines cos θ dω is the area: the sum is the share of the light that is sent.
+        let pixel = (2.0 / f64::from(SIDE)).powi(2);
+        let sent: f64 = map.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() * pixel;
+        let orders = grating().orders(&optics, light, 0.55, &task).unwrap();
+        let expected: f64 = orders.iter().map(|order| order.efficiency).sum();
+        assert!((sent / expected - 1.0).abs() < 0.1, "{sent} {expected}");
+        assert!(brdf.map(light, 0, None, &task).is_err());
+        let colours = brdf.map(light, 8, None, &task).unwrap();
+        assert!(colours.iter().any(|pixel| pixel[0] != pixel[2]));
+    }
+
+    #[test]
+    fn wavelengths_out_of_range_are_refused() {
+        let task = Task::silent();
+        let optics = Optics::new().with_theory(crate::optics::theory::Theory::Stam);
+        let asked = [[direction(30.0, 0.0), direction(14.0, 180.0)]];
+        let fast = SurfaceBrdf::new(&grating(), &optics, &task).unwrap();
+        assert!(fast.spectral(&asked, 0.3, &task).unwrap()[0] > 0.0, "an octave of its own");
+        for wrong in [0.0, 0.55e-6, 550.0, f64::NAN] {
+            assert!(fast.spectral(&asked, wrong, &task).is_err(), "{wrong}");
+            assert!(grating().orders(&optics, asked[0][0], wrong, &task).is_err(), "{wrong}");
+        }
+        let exact = SurfaceBrdf::new(&grating(), &optics.clone().by_reference(), &task).unwrap();
+        assert!(exact.spectral(&asked, 0.3, &task).is_err(), "shorter than it was made for");
+        let short = SurfaceBrdf::with_shortest(&grating(), &optics.by_reference(), 0.3, &task).unwrap();
+        let [a, b] = [fast, short].map(|brdf| brdf.spectral(&asked, 0.3, &task).unwrap()[0]);
+        assert!((a / b - 1.0).abs() < 1e-2, "{a} {b}");
+    }
+
+    #[test]
     fn one_window_is_summed_directly_and_cancelled() {
         let optics = Optics::new().with_copies([2, 2]);
         let task = Task::silent();

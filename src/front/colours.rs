@@ -230,6 +230,25 @@ mod tests {
     }
 
     #[test]
+    fn footprints_are_standard_deviations_and_covariances() {
+        let field = HeightField::generate(&Spec::new(SurfaceKind::Sinusoid)).unwrap();
+        let optics = Optics::new().with_coherence_length(20.0).with_tolerance(5e-2);
+        let colours =
+            SurfaceColours::new(&field, &optics, 0.02, &Context::default(), &Task::silent()).unwrap();
+        // Across two orders of 550 nm.
+        let pairs: Vec<_> =
+            (0..60).map(|i| [direction(30.0, 0.0), direction(10.0 + 0.3 * f64::from(i), 180.0)]).collect();
+        let spread = |deviation: f64| {
+            let values = colours.xyz(&pairs, deviation).into_iter().map(|[_, y, _]| y);
+            let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), y| (l.min(y), h.max(y)));
+            high / low
+        };
+        assert!(spread(0.3) < 0.5 * spread(0.02), "{} {}", spread(0.3), spread(0.02));
+        let asked: Vec<_> = pairs.iter().map(|pair| (*pair, [0.3 * 0.3, 0.0, 0.3 * 0.3])).collect();
+        assert_eq!(colours.xyz_over(&asked), colours.xyz(&pairs, 0.3));
+    }
+
+    #[test]
     fn an_export_is_read_checked_and_has_the_colours_of_its_table() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("material");
@@ -246,5 +265,9 @@ mod tests {
         assert_eq!(made.xyz(&pairs, 0.02), read.xyz(&pairs, 0.02));
         assert!(made.xyz(&pairs, 0.02)[0][1] > 0.0 && made.xyz(&pairs, 0.02)[1] == [0.0; 3]);
         assert!(SurfaceColours::open(folder.path()).is_err());
+        let again = folder.path().join("again");
+        made.save(&again, &Task::silent()).unwrap();
+        assert_eq!(check_export(&again).unwrap(), check_export(&path).unwrap(), "the same files");
+        assert!(read.save(folder.path().join("copy"), &Task::silent()).is_err(), "without a surface");
     }
 }
