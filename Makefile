@@ -1,5 +1,5 @@
 # ARGS is handed on: make run ARGS="--tolerance 1e-2", make test ARGS="--test gpu".
-.PHONY: help run test build setup lint measure book release clean
+.PHONY: help run test test-python build wheel setup lint measure book release clean
 
 ARGS =
 export PATH := $(PATH):$(or $(CARGO_HOME),$(HOME)/.cargo)/bin
@@ -7,7 +7,9 @@ export PATH := $(PATH):$(or $(CARGO_HOME),$(HOME)/.cargo)/bin
 help:
 	@echo 'make run     build diffract and show it: a window, or diffract.png where there is no display'
 	@echo 'make test    all tests, on the CPU with lavapipe, with Vulkan validation'
+	@echo 'make test-python  tests of the Python module; ARGS="-k orders" for some of them'
 	@echo 'make build   target/release/diffract'
+	@echo 'make wheel   the Python module with the program, for pip install, into target/wheels'
 	@echo 'make setup   get what the above need; each of them does so by itself'
 	@echo 'make lint    formatting, clippy and rustdoc, warnings denied'
 	@echo 'make measure speed against accuracy on this machine, into docs/BENCHMARKS.md; ARGS=--check compares instead'
@@ -23,9 +25,17 @@ test:
 	@tools/setup.sh test
 	@tools/test.sh $(ARGS)
 
+test-python:
+	@tools/setup.sh test
+	@tools/python.sh test $(ARGS)
+
 build:
 	@tools/setup.sh build
 	cargo build --release --locked
+
+wheel:
+	@tools/setup.sh build
+	@tools/python.sh wheel
 
 setup:
 	@tools/setup.sh run test
@@ -33,6 +43,7 @@ setup:
 lint:
 	@tools/setup.sh build
 	cargo fmt --check
+	cargo fmt --check --manifest-path python/Cargo.toml
 	cargo clippy --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 

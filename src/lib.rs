@@ -41,7 +41,6 @@ pub mod internals {
     pub mod filter;
     pub mod front;
     pub mod input;
-    #[cfg(feature = "vulkan")]
     pub mod measure;
     pub mod memory;
     pub mod notes;
@@ -78,8 +77,8 @@ pub use internals::context::Context;
 pub use internals::error::{Error, ErrorKind, Result};
 #[doc(inline)]
 pub use internals::front::{
-    GratingOrder, SurfaceBrdf, SurfaceColours, SurfaceMeasures, check_export, direction, display_srgb,
-    linear_srgb,
+    GratingOrder, MeasuredPeriod, PeakSettings, SpectralPeak, SurfaceBrdf, SurfaceColours, SurfaceMeasures,
+    SurfacePeaks, check_export, direction, display_srgb, linear_srgb,
 };
 #[doc(inline)]
 pub use internals::optics::coherence::Beyond;

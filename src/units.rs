@@ -5,9 +5,9 @@
 
 use crate::error::{Error, Result};
 
-/// Units of length in micrometres. Both micro signs, U+00B5 and the Greek letter U+03BC, are common.
-const LENGTHS: [(&str, f64); 6] =
-    [("nm", 1e-3), ("um", 1.0), ("\u{b5}m", 1.0), ("\u{3bc}m", 1.0), ("mm", 1e3), ("m", 1e6)];
+/// Units of length as powers of ten of a micrometre. Both micro signs, U+00B5 and the Greek letter U+03BC, are common.
+const LENGTHS: [(&str, i32); 6] =
+    [("nm", -3), ("um", 0), ("\u{b5}m", 0), ("\u{3bc}m", 0), ("mm", 3), ("m", 6)];
 
 /// Units of angle in degrees.
 const ANGLES: [(&str, f64); 3] = [("deg", 1.0), ("\u{b0}", 1.0), ("rad", 180.0 / std::f64::consts::PI)];
@@ -55,7 +55,7 @@ pub fn length(text: &str) -> Result<f64> {
 /// # Errors
 /// Those of [`length`], but for 0.
 pub fn length_or_zero(text: &str) -> Result<f64> {
-    let value = with_unit(text, &LENGTHS, "12nm, 12um or 12mm")?;
+    let value = with_unit(text, &LENGTHS, "12nm, 12um or 12mm", shifted)?;
     if value == 0.0 {
         return Ok(0.0);
     }
@@ -73,7 +73,7 @@ pub fn length_or_zero(text: &str) -> Result<f64> {
 /// # Errors
 /// No number, a missing or unknown unit, a number that is not finite and positive.
 pub fn page_length(text: &str) -> Result<f64> {
-    let value = with_unit(text, &PAGE_LENGTHS, "85mm, 18cm, 7in or 800px")?;
+    let value = with_unit(text, &PAGE_LENGTHS, "85mm, 18cm, 7in or 800px", product)?;
     if value > 0.0 { Ok(value) } else { Err(not_positive(text)) }
 }
 
@@ -93,7 +93,7 @@ pub fn length_pair(text: &str) -> Result<[f64; 2]> {
 /// # Errors
 /// No number, a missing or unknown unit, a number that is not finite.
 pub fn angle(text: &str) -> Result<f64> {
-    with_unit(text, &ANGLES, "30deg")
+    with_unit(text, &ANGLES, "30deg", product)
 }
 
 /// Parses three finite numbers such as `0.3,1.7,-2`.
@@ -133,7 +133,7 @@ pub fn bytes(text: &str) -> Result<u64> {
     if number(text.trim()) == Some(0.0) {
         return Ok(0);
     }
-    let value = with_unit(text, &SIZES, EXAMPLES)?;
+    let value = with_unit(text, &SIZES, EXAMPLES, product)?;
     if !(0.0..=LARGEST).contains(&value) {
         return Err(Error::usage(format!("'{}' is out of range", text.trim()), format!("write {EXAMPLES}")));
     }
@@ -174,19 +174,23 @@ fn split_pair(text: &str) -> Option<(&str, &str)> {
     Some((first.trim(), second.trim()))
 }
 
-/// Parses a number followed by one of `units`.
-fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
+/// Parses a number followed by one of `units`; `scaled` returns the number that a text writes in its unit.
+fn with_unit<S: Copy>(
+    text: &str,
+    units: &[(&str, S)],
+    examples: &str,
+    scaled: impl Fn(&str, S) -> Option<f64>,
+) -> Result<f64> {
     let trimmed = text.trim();
     if trimmed.is_empty() {
         return Err(Error::usage("the value is empty", format!("write {examples}")));
     }
     // The longest unit that fits: "5nm" ends in "m" too, but its "5n" is no number.
     let fitting = units.iter().filter_map(|(unit, scale)| {
-        let value = trimmed.strip_suffix(unit)?;
-        Some((number(value.trim_end())?, *scale))
+        let value = trimmed.strip_suffix(unit)?.trim_end();
+        Some((number(value)?, scaled(value, *scale)?))
     });
-    if let Some((number, scale)) = fitting.into_iter().next() {
-        let value = number * scale;
+    if let Some((number, value)) = fitting.into_iter().next() {
         // Reject products that overflow or underflow.
         let kept = value.is_finite() && (number == 0.0 || value != 0.0);
         let out_of_range =
@@ -201,6 +205,26 @@ fn with_unit(text: &str, units: &[(&str, f64)], examples: &str) -> Result<f64> {
         format!("'{trimmed}' is not a number with a unit"),
         format!("write {examples} (units: {})", known.join(", ")),
     ))
+}
+
+/// Returns the number that `text` writes, times `scale`.
+fn product(text: &str, scale: f64) -> Option<f64> {
+    number(text).map(|number| number * scale)
+}
+
+/// Returns the decimal number that `text` writes with its point moved by `power` places, rounded once: 700 moved by −3 is 0.7, and 700 × 10⁻³ is not.
+pub fn shifted(text: &str, power: i32) -> Option<f64> {
+    number(text)?;
+    let (digits, exponent) = match text.split_once(['e', 'E']) {
+        Some((digits, exponent)) => (digits, exponent.parse::<i32>().ok()?),
+        None => (text, 0),
+    };
+    format!("{digits}e{}", exponent.checked_add(power)?).parse().ok()
+}
+
+/// Returns `nanometres` in micrometres: the float that is nearest to the decimal number that prints as `nanometres`, moved by three places.
+pub fn micrometres(nanometres: f64) -> f64 {
+    shifted(&nanometres.to_string(), -3).unwrap_or(nanometres / 1e3)
 }
 
 /// Returns `write 12nm, 12um or 12mm`, with the number that the user wrote.
@@ -245,6 +269,24 @@ mod tests {
         ] {
             assert!(close(length(text).unwrap(), expected), "{text}");
         }
+    }
+
+    #[test]
+    fn a_length_is_the_float_that_is_nearest_to_its_decimal_number() {
+        for (text, expected) in [
+            ("700nm", 0.7),
+            ("550nm", 0.55),
+            ("48.83nm", 0.048_83),
+            ("1.14um", 1.14),
+            ("4e2nm", 0.4),
+            ("+4E+2nm", 0.4),
+            ("0.001m", 1000.0),
+            ("434.7nm", 0.4347),
+        ] {
+            assert_eq!(length(text).unwrap().to_bits(), f64::to_bits(expected), "{text}");
+        }
+        assert_eq!([380.1, 550.0, 1e-7].map(micrometres), [0.3801, 0.55, 1e-10]);
+        assert_eq!((shifted("5e2147483647", 1), shifted("x", 1), shifted("", 1)), (None, None, None));
     }
 
     #[test]

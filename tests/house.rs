@@ -95,8 +95,8 @@ const FLOORS: [(&str, &[&str]); 33] = [
     (
         "measure",
         &[
-            "settings", "budget", "setup", "render", "table", "spectra", "optics", "error", "task", "input",
-            "memory", "output", "random", "units",
+            "settings", "budget", "setup", "render", "table", "spectra", "optics", "surface", "error", "task",
+            "input", "memory", "output", "random", "units",
         ],
     ),
     (
@@ -136,6 +136,7 @@ const FLOORS: [(&str, &[&str]); 33] = [
             "picture_file",
             "render",
             "export",
+            "figure",
             "table",
             "brdf",
             "scene",
@@ -558,4 +559,33 @@ fn an_error_is_dropped_for_a_reason_alone() {
 fn dropped_errors_are_found() {
     let code = "Err(_) => 0,\nErr(_) => 0, // none\n// none\nlet _ = a();\nlet _ = a();\nlet _ = write!(s, \"\");\nlet _ = (a, b);\nfs::read(a).unwrap_or_default()\na.unwrap_or_default()\n#[cfg(test)]\nmod tests {\nlet _ = a();\n";
     assert_eq!(dropped_errors(code), [1, 5, 8]);
+}
+
+/// Name and version of each package in the text of a lock file.
+fn locked(text: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for package in text.split("[[package]]").skip(1) {
+        let value = |key: &str| {
+            let line = package.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
+            line.unwrap_or_default().trim_matches('"').to_owned()
+        };
+        found.entry(value("name")).or_default().insert(value("version"));
+    }
+    found
+}
+
+#[test]
+fn the_version_and_the_crates_of_the_python_module_are_those_of_the_program() {
+    let read =
+        |name: &str| std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap();
+    let version = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));
+    assert!(read("python/Cargo.toml").lines().any(|line| line == version), "python/Cargo.toml: {version}");
+    let cited = format!("version: {}", env!("CARGO_PKG_VERSION"));
+    assert!(read("CITATION.cff").lines().any(|line| line == cited), "CITATION.cff: {cited}");
+    let [program, module] = ["Cargo.lock", "python/Cargo.lock"].map(|name| locked(&read(name)));
+    assert!(program.len() > 100 && module.len() > 100);
+    for (name, versions) in module.iter().filter(|(name, _)| program.contains_key(*name)) {
+        let others: Vec<_> = versions.difference(&program[name]).collect();
+        assert!(others.is_empty(), "python/Cargo.lock has {name} {others:?}: cargo update --precise");
+    }
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints the licences of what the program links, with their texts.
 
-    tools/licences.py [TARGET]      e.g. x86_64-unknown-linux-gnu, which is the default
+    tools/licences.py [TARGET [MANIFEST]]      e.g. x86_64-unknown-linux-gnu, which is the default, and python/Cargo.toml
 
 The packages are those of Cargo.lock that `cargo metadata` has for the target, without those that only build or test the program.
 Texts come from the packages themselves. A package that has none is given those of a package of its repository or the notice at the
@@ -34,8 +34,8 @@ def linked(metadata):
             continue
         found.add(package)
         left += [d["pkg"] for d in nodes[package]["deps"] if any(kind["kind"] is None for kind in d["dep_kinds"])]
-    found.discard(root)
-    return sorted((packages[package] for package in found), key=lambda package: (package["name"], package["version"]))
+    others = (packages[package] for package in found if packages[package]["source"])  # those of this repository have none
+    return sorted(others, key=lambda package: (package["name"], package["version"]))
 
 
 def folder(package):
@@ -84,7 +84,8 @@ def all_texts(packages):
 
 def main():
     target = sys.argv[1] if len(sys.argv) > 1 else "x86_64-unknown-linux-gnu"
-    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target]
+    manifest = sys.argv[2] if len(sys.argv) > 2 else "Cargo.toml"
+    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", target, "--manifest-path", manifest]
     metadata = json.loads(subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout)
     packages = linked(metadata)
     by_package = all_texts(packages)

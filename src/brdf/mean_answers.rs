@@ -70,6 +70,18 @@ impl Brdf for MeanFromOrders {
         true
     }
 
+    fn averaged_over(&self, deviation: f64) -> Option<Box<dyn Brdf>> {
+        let Self { mean, illuminant, sampling, .. } = self;
+        let tables = self.tables.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Some(Box::new(Self {
+            mean: mean.clone(),
+            illuminant: illuminant.clone(),
+            sampling: *sampling,
+            footprint: Covariance::round(deviation),
+            tables: Mutex::new(tables),
+        }))
+    }
+
     fn albedo(&self, light: DVec3, wavelength: Option<f64>, task: &Task) -> Result<Option<f64>> {
         let table = self.table(wavelength.unwrap_or(SHORTEST), task)?;
         Ok(table.sent(light, wavelength, &self.illuminant))
@@ -203,6 +215,15 @@ impl Brdf for MeanReference {
     fn average_over(&mut self, deviation: f64) -> bool {
         self.footprint = Covariance::round(deviation);
         true
+    }
+
+    fn averaged_over(&self, deviation: f64) -> Option<Box<dyn Brdf>> {
+        let table = self.table.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Some(Box::new(Self {
+            footprint: Covariance::round(deviation),
+            table: Mutex::new(table),
+            ..Self::new(self.mean.clone(), self.illuminant.clone(), self.shortest)
+        }))
     }
 
     fn albedo(&self, light: DVec3, wavelength: Option<f64>, task: &Task) -> Result<Option<f64>> {

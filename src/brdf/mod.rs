@@ -3,6 +3,7 @@
 pub mod albedo;
 mod direct;
 pub mod energy_map;
+pub mod hemisphere;
 pub mod mean;
 mod mean_answers;
 mod orders;
@@ -40,6 +41,13 @@ pub trait Brdf: Send + Sync {
     fn average_over(&mut self, deviation: f64) -> bool {
         let _ = deviation;
         false
+    }
+
+    /// Returns this BRDF averaged over a round Gaussian of standard deviation `deviation` of (u, v), if the method can; both share what is computed
+    /// so far.
+    fn averaged_over(&self, deviation: f64) -> Option<Box<dyn Brdf>> {
+        let _ = deviation;
+        None
     }
 
     /// Returns the share of the light from `light` that all orders together send into all directions: at `wavelength` \[µm\], or the luminance

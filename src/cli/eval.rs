@@ -13,6 +13,7 @@ use crate::optics::spectrum::SHORTEST;
 use crate::render::evaluator::Query;
 use crate::setup::SourceSettings;
 use crate::task::DIRECTIONS;
+use crate::units;
 use clap::Args;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -183,7 +184,7 @@ impl QueryTable {
                 return Err(bad(line, format!("the wavelength {cell} nm is not within 10 to 100000 nm")));
             }
             let pair = Pair::new(direction(theta_i?, phi_i?), direction(theta_r?, phi_r?));
-            table.queries.push(Query { pair, wavelength: wavelength.map(|nm| nm / 1e3) });
+            table.queries.push(Query { pair, wavelength: wavelength.map(units::micrometres) });
             table.rows.push(record.iter().map(str::to_owned).collect());
         }
         if table.queries.is_empty() {

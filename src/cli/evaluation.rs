@@ -5,15 +5,14 @@ use super::progress::ProgressBar;
 use crate::brdf::Brdf;
 use crate::error::{Error, Result};
 use crate::optics::geometry::Pair;
+pub use crate::optics::spectrum::ANSWERED as WAVELENGTHS;
 use crate::settings::Method;
 use crate::units;
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
-/// Range of wavelengths \[µm\]: from hard ultraviolet to far infrared.
-pub const WAVELENGTHS: (f64, f64) = (0.01, 100.0);
 /// Pairs of directions that are evaluated together: memory stays at a few megabytes.
-pub const AT_ONCE: usize = 16_384;
+const AT_ONCE: usize = 16_384;
 
 /// Size of the first batch. It includes preparations, such as the series of the orders.
 const FIRST_BATCH: usize = 16;

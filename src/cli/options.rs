@@ -24,7 +24,6 @@ use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
 use crate::scene::Scene;
 use crate::settings::{Method, Optics};
-use crate::setup;
 use crate::spectra::amplitude::expansion::Basis;
 use crate::surface::HeightField;
 use crate::tolerance::TOLERANCES;
@@ -200,7 +199,7 @@ impl OpticsOptions {
 
     /// Returns `optics` with the continuation beyond the patch that the user names, or that suits `field`.
     pub fn beyond_of(&self, field: &HeightField, optics: Optics) -> Optics {
-        Optics { beyond: self.beyond.unwrap_or_else(|| setup::beyond_of(field)), ..optics }
+        Optics { beyond: self.beyond.unwrap_or_else(|| Beyond::suited_to(field)), ..optics }
     }
 
     /// Returns the expansion for pictures: in every sweep of `trade`, the one with the fewest reads for the same error.

@@ -19,7 +19,6 @@ use crate::optics::geometry::{angles, direction};
 use crate::optics::reflectance::Reflectance;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::scene::FarLight;
-use crate::setup;
 use crate::surface::HeightField;
 use crate::surface::statistics::{Relief, joining};
 use clap::Args;
@@ -144,7 +143,7 @@ fn tell_of_broken_copies(field: &HeightField, console: &Console) -> Result<()> {
             "the patch holds {}: its copies break the grooves, whose orders move to whole periods; crop the patch to whole periods (--crop)",
             broken.join(" and ")
         ));
-    } else if setup::continued(&tiling) == Beyond::Alike {
+    } else if Beyond::across(&tiling) == Beyond::Alike {
         console.say(
             &"the edges of the patch do not meet: its copies have steps, whose light is in the orders; crop the patch to whole periods (--crop)",
         );

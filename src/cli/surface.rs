@@ -23,6 +23,7 @@ use crate::optics::material::Material;
 use crate::optics::polarisation::Polarisation;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::Illuminant;
+use crate::optics::surface_report::SurfaceReport;
 use crate::optics::theory::Theory;
 use crate::optics::validity::{LightColour, ScalarTheory};
 use crate::surface::files::write::ScanFormat;
@@ -244,10 +245,10 @@ fn report(
     let scan =
         if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
     let notes = Notes::new(captions::own_command(console), scan.prepared());
-    let report = report::SurfaceReport::of(&source.name, &scan, origin.as_ref(), invalid);
+    let report = SurfaceReport::new(&source.name, &scan, origin.as_ref(), invalid);
     let field = match scan.into_field() {
         Ok(field) => field,
-        Err(e) if arguments.plot.is_none() => return report.without_statistics(&e).json(&notes),
+        Err(e) if arguments.plot.is_none() => return report::json(&report.without_statistics(&e), &notes),
         Err(e) => return Err(e),
     };
     let statistics = Statistics::of(&field)?;
@@ -255,7 +256,7 @@ fn report(
     if let Some(path) = &arguments.plot {
         plot::figure(source, &field, &statistics, &theory, console)?.save(path, style, &notes)?;
     }
-    report.with_statistics(&field, statistics, theory)?.json(&notes)
+    report::json(&report.with_statistics(&field, statistics, theory)?, &notes)
 }
 
 fn synthesise(arguments: &Synth, console: &Console) -> Result<()> {

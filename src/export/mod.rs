@@ -76,7 +76,19 @@ impl ExportedMaterial {
     /// # Errors
     /// Too little memory; a cancelled task.
     pub fn new(field: &HeightField, settings: &ExportSettings, task: &Task) -> Result<Self> {
-        let table = Arc::new(Self::table(field, settings, task)?);
+        Self::of_table(Arc::new(Self::table(field, settings, task)?), field, settings, task)
+    }
+
+    /// Evaluates the conformance directions of the `table` of `field` that [`Self::table`] bakes by these `settings`. `task` is told of each step.
+    ///
+    /// # Errors
+    /// Same as [`Self::new`].
+    pub fn of_table(
+        table: Arc<ColorTable>,
+        field: &HeightField,
+        settings: &ExportSettings,
+        task: &Task,
+    ) -> Result<Self> {
         let settings = &ExportSettings { footprint: table.header.grid.finest, ..settings.clone() };
         let mean = MeanBrdf {
             field: field.clone(),

@@ -94,6 +94,14 @@ impl Raster {
     /// # Errors
     /// Fails for more pixels than a PNG holds.
     pub fn png(&self) -> Result<String> {
+        Ok(BASE64_STANDARD.encode(self.png_bytes()?))
+    }
+
+    /// Encodes the raster as PNG.
+    ///
+    /// # Errors
+    /// Fails for more pixels than a PNG holds.
+    pub fn png_bytes(&self) -> Result<Vec<u8>> {
         let [columns, rows] = self.size;
         let bytes = &bytemuck::cast_slice::<[u8; 4], u8>(&self.pixels)[..columns * rows * 4];
         let mut png = Vec::new();
@@ -103,7 +111,7 @@ impl Raster {
                 Error::limit(format!("the raster of the figure is no PNG ({e})"), "ask for a smaller one")
                     .caused_by(e)
             })?;
-        Ok(BASE64_STANDARD.encode(&png))
+        Ok(png)
     }
 }
 

@@ -23,6 +23,8 @@ pub struct SurfaceColours {
     table: Arc<ColorTable>,
     reader: TableReader,
     optics: Optics,
+    /// Surface and settings; `None` for the colours of an export.
+    origin: Option<(HeightField, ExportSettings)>,
 }
 
 impl SurfaceColours {
@@ -58,7 +60,7 @@ impl SurfaceColours {
                 table
             }
         };
-        Ok(Self::of(table, optics.clone()))
+        Ok(Self { origin: Some((field.clone(), settings)), ..Self::of(table, optics.clone()) })
     }
 
     /// Reads the colours of the export in `folder`.
@@ -71,7 +73,7 @@ impl SurfaceColours {
 
     fn of(table: ColorTable, optics: Optics) -> Self {
         let table = Arc::new(table);
-        Self { reader: TableReader::new(Arc::clone(&table)), table, optics }
+        Self { reader: TableReader::new(Arc::clone(&table)), table, optics, origin: None }
     }
 
     /// Returns the size of the table \[bytes\].
@@ -82,12 +84,34 @@ impl SurfaceColours {
     /// Returns XYZ of f \[1/sr\] for every pair of directions to the light and to the viewer, averaged over a round footprint of the standard deviation `footprint` of
     /// (u, v); 0 below the horizon.
     pub fn xyz(&self, directions: &[[[f64; 3]; 2]], footprint: f64) -> Vec<[f64; 3]> {
-        let footprint = Covariance::round(footprint.powi(2));
-        let read = |pair: Pair| {
-            let weighted = self.reader.xyz(&pair, &self.optics.reflectance, &footprint);
-            without_cosine(&pair, weighted).to_array()
+        let footprint = Covariance::round(footprint);
+        directions.iter().map(|directions| self.read(pair(directions), &footprint)).collect()
+    }
+
+    /// Returns XYZ of f \[1/sr\] as [`Self::xyz`], each averaged over the footprint of its own with these variances and this covariance of (u, v): uu, uv, vv.
+    pub fn xyz_over(&self, questions: &[([[f64; 3]; 2], [f64; 3])]) -> Vec<[f64; 3]> {
+        let read = |(directions, [uu, uv, vv]): &([[f64; 3]; 2], [f64; 3])| {
+            self.read(pair(directions), &Covariance { uu: *uu, uv: *uv, vv: *vv })
         };
-        directions.iter().map(pair).map(read).collect()
+        questions.iter().map(read).collect()
+    }
+
+    fn read(&self, pair: Pair, footprint: &Covariance) -> [f64; 3] {
+        let weighted = self.reader.xyz(&pair, &self.optics.reflectance, footprint);
+        without_cosine(&pair, weighted).to_array()
+    }
+
+    /// Writes these colours into a `folder` for other programs, as [`Self::export`] does.
+    ///
+    /// # Errors
+    /// Fails for colours that were read from an export, for a folder that is no export or cannot be written, or if the task is cancelled.
+    pub fn save(&self, folder: impl AsRef<Path>, task: &Task) -> Result<()> {
+        let Some((field, settings)) = &self.origin else {
+            return Err(Error::usage("these colours are those of an export", "copy its folder"));
+        };
+        export::check_target(folder.as_ref())?;
+        let material = ExportedMaterial::of_table(Arc::clone(&self.table), field, settings, task)?;
+        write(folder.as_ref(), field, settings, &material)
     }
 
     /// Writes the colours of `field` under `optics` into a `folder` for other programs: textures, shaders, and directions with exact colours to check them by. A former export
@@ -105,10 +129,20 @@ impl SurfaceColours {
         let settings = settings(optics, footprint)?;
         export::check_target(folder.as_ref())?;
         let material = ExportedMaterial::new(field, &settings, task)?;
-        let maker = notes::software().to_owned();
-        let mut description = MaterialDescription::new(field, &settings, &material, maker)?;
-        export::write(folder.as_ref(), &material, &mut description)
+        write(folder.as_ref(), field, &settings, &material)
     }
+}
+
+/// Writes `material` of `field` into `folder`.
+fn write(
+    folder: &Path,
+    field: &HeightField,
+    settings: &ExportSettings,
+    material: &ExportedMaterial,
+) -> Result<()> {
+    let maker = notes::software().to_owned();
+    let mut description = MaterialDescription::new(field, settings, material, maker)?;
+    export::write(folder, material, &mut description)
 }
 
 impl fmt::Debug for SurfaceColours {
@@ -196,6 +230,25 @@ mod tests {
     }
 
     #[test]
+    fn footprints_are_standard_deviations_and_covariances() {
+        let field = HeightField::generate(&Spec::new(SurfaceKind::Sinusoid)).unwrap();
+        let optics = Optics::new().with_coherence_length(20.0).with_tolerance(5e-2);
+        let colours =
+            SurfaceColours::new(&field, &optics, 0.02, &Context::default(), &Task::silent()).unwrap();
+        // Across two orders of 550 nm.
+        let pairs: Vec<_> =
+            (0..60).map(|i| [direction(30.0, 0.0), direction(10.0 + 0.3 * f64::from(i), 180.0)]).collect();
+        let spread = |deviation: f64| {
+            let values = colours.xyz(&pairs, deviation).into_iter().map(|[_, y, _]| y);
+            let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), y| (l.min(y), h.max(y)));
+            high / low
+        };
+        assert!(spread(0.3) < 0.5 * spread(0.02), "{} {}", spread(0.3), spread(0.02));
+        let asked: Vec<_> = pairs.iter().map(|pair| (*pair, [0.3 * 0.3, 0.0, 0.3 * 0.3])).collect();
+        assert_eq!(colours.xyz_over(&asked), colours.xyz(&pairs, 0.3));
+    }
+
+    #[test]
     fn an_export_is_read_checked_and_has_the_colours_of_its_table() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("material");
@@ -212,5 +265,9 @@ mod tests {
         assert_eq!(made.xyz(&pairs, 0.02), read.xyz(&pairs, 0.02));
         assert!(made.xyz(&pairs, 0.02)[0][1] > 0.0 && made.xyz(&pairs, 0.02)[1] == [0.0; 3]);
         assert!(SurfaceColours::open(folder.path()).is_err());
+        let again = folder.path().join("again");
+        made.save(&again, &Task::silent()).unwrap();
+        assert_eq!(check_export(&again).unwrap(), check_export(&path).unwrap(), "the same files");
+        assert!(read.save(folder.path().join("copy"), &Task::silent()).is_err(), "without a surface");
     }
 }

@@ -1,13 +1,16 @@
 //! Surfaces: made, read, prepared, measured, saved.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::figure::{Axis, ColorMap, ColorScale, Raster};
 use crate::notes;
+use crate::optics::coherence::Beyond;
 use crate::surface::files::ReadSettings;
 use crate::surface::files::topography::Topography;
 use crate::surface::files::write::{self, ScanFormat};
 use crate::surface::prepare::{self, PreparationStep};
 use crate::surface::statistics::Statistics;
 use crate::surface::synth::{self, Spec, SurfaceKind};
+use crate::surface::statistics::plot_grid::PlotGrid;
 use crate::surface::{HeightField, SurfaceSource};
 use std::path::Path;
 
@@ -60,6 +63,25 @@ impl HeightField {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
         write::write(path, ScanFormat::of(path)?, &Topography::of(self.clone()), notes::software().to_owned())
+    }
+
+    /// Returns the continuation beyond the patch that suits the field: copies if they join without visible steps, else a surface that is alike.
+    pub fn continuation(&self) -> Beyond {
+        Beyond::suited_to(self)
+    }
+
+    /// Returns a picture of the heights in false colour as the bytes of a PNG, averaged down until no side is longer than `most` pixels.
+    ///
+    /// # Errors
+    /// Fails for a picture of no pixels.
+    pub fn preview(&self, most: usize) -> Result<Vec<u8>> {
+        if most == 0 {
+            return Err(Error::usage("a picture of no pixels shows nothing", "give 1 or more along a side"));
+        }
+        let grid = PlotGrid::of_heights(self, most);
+        let [low, high] = grid.core();
+        let scale = ColorScale { axis: Axis::linear("", low, high), map: ColorMap::Viridis };
+        Raster::values(grid.size[0], &grid.values, scale).png_bytes()
     }
 
     /// Measures the field.
@@ -182,5 +204,11 @@ mod tests {
         let mean = ridges.heights().iter().sum::<f64>() / ridges.heights().len() as f64;
         assert!((mean - 0.03).abs() < 1e-9, "{mean}");
         assert_eq!(HeightField::open("blaze").unwrap().patch_size(), [20.0; 2]);
+        assert_eq!(made.continuation(), Beyond::Copies);
+        let half_period = HeightField::from_fn(9, 9, [0.1; 2], |x, _| x).unwrap();
+        assert_eq!(half_period.continuation(), Beyond::Alike);
+        let picture = image::load_from_memory(&made.preview(20).unwrap()).unwrap();
+        assert!(picture.width() <= 20 && picture.width() > 9, "{picture:?}");
+        assert!(made.preview(0).is_err());
     }
 }

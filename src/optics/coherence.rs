@@ -3,6 +3,9 @@
 //! Along one axis the window and the copies of the patch fold into one complex weight per sample, W_u(x) = Σ_m g₁(x + mT) e^{iku(x + mT)},
 //! so the exact sum costs one patch for any number of copies in the window.
 
+use crate::surface::HeightField;
+use crate::surface::statistics::joining;
+use crate::surface::tiling::{Tiling, Verdict, tiles};
 use rustfft::num_complex::Complex64;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -63,6 +66,21 @@ impl Beyond {
         match self {
             Self::Copies => "copies",
             Self::Alike => "alike",
+        }
+    }
+
+    /// Returns the default continuation of the surface beyond a patch like `field`: copies if they join without visible steps and without a
+    /// jump of phase. Where there is too little memory for the spectrum, the steps decide.
+    pub fn suited_to(field: &HeightField) -> Self {
+        // The only error of `joining` is too little memory.
+        Self::across(&joining(field).unwrap_or_else(|_| tiles(field)))
+    }
+
+    /// Returns the default continuation of a surface whose seams are `tiling`.
+    pub fn across(tiling: &Tiling) -> Self {
+        match tiling.verdict {
+            Verdict::Tiles => Self::Copies,
+            _ => Self::Alike,
         }
     }
 }

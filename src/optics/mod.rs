@@ -22,6 +22,7 @@ pub mod reflectance;
 pub mod sampling;
 pub mod small_slope;
 pub mod spectrum;
+pub mod surface_report;
 pub mod svd;
 pub mod theory;
 pub mod validity;

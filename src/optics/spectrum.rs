@@ -13,6 +13,8 @@ use std::sync::OnceLock;
 pub const SHORTEST: f64 = 0.380;
 /// Longest wavelength of the colour integral \[µm\].
 pub const LONGEST: f64 = 0.780;
+/// Range of single wavelengths that are answered \[µm\]: from hard ultraviolet to far infrared.
+pub const ANSWERED: (f64, f64) = (0.01, 100.0);
 /// A wavelength in the middle of the visible range \[µm\], near the peak of the eye's sensitivity at 555 nm.
 pub const MIDDLE: f64 = 0.55;
 /// Distance of wavelengths to which a user's illuminant is resolved \[nm\]: colour integrals sample it 0.02 to 0.2 nm apart. A narrower line is spread over two

@@ -21,7 +21,7 @@ use crate::render::source::{Grating, Source, Table};
 use crate::settings::{Method, Optics};
 use crate::spectra::amplitude::{self, LayerSettings, Layers, compute_at};
 use crate::spectra::power::{Blur, OrderSeries, PowerSettings};
-use crate::surface::{HeightField, statistics, tiling};
+use crate::surface::HeightField;
 use crate::table::{self, ColorTable, TableSettings, bake};
 use crate::task::Task;
 use crate::tolerance;
@@ -287,21 +287,6 @@ impl Wanted {
 pub fn pigment_alone() -> Source {
     static DARK: LazyLock<Arc<ColorTable>> = LazyLock::new(|| Arc::new(ColorTable::dark()));
     Source::Table(Table { table: DARK.clone(), energy: None })
-}
-
-/// Returns the default continuation of the surface beyond a patch like `field`: copies if they join without visible steps and without a
-/// jump of phase. Where there is too little memory for the spectrum, the steps decide.
-pub fn beyond_of(field: &HeightField) -> Beyond {
-    // The only error of `joining` is too little memory.
-    continued(&statistics::joining(field).unwrap_or_else(|_| tiling::tiles(field)))
-}
-
-/// Returns the default continuation of a surface whose seams are `tiling`.
-pub fn continued(tiling: &tiling::Tiling) -> Beyond {
-    match tiling.verdict {
-        tiling::Verdict::Tiles => Beyond::Copies,
-        _ => Beyond::Alike,
-    }
 }
 
 /// Returns true if the source of `settings` averages over the footprints of pixels.

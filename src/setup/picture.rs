@@ -1,6 +1,6 @@
 //! Pictures of a scene: the data shared by all views is prepared once, then each view is drawn.
 
-use super::{InUse, SourceSettings, averages_footprints, beyond_of, pigment_alone, source};
+use super::{InUse, SourceSettings, averages_footprints, pigment_alone, source};
 use crate::context::Context;
 use crate::error::{Error, Result};
 use crate::optics::coherence::Beyond;
@@ -79,7 +79,7 @@ impl ObjectSurface {
     ) -> Result<Self> {
         let field = object.surface.as_ref().map(load).transpose()?;
         let mut source = settings.clone();
-        source.optics.beyond = field.as_ref().map_or(Beyond::Copies, |field| beyond_of(field));
+        source.optics.beyond = field.as_ref().map_or(Beyond::Copies, |field| Beyond::suited_to(field));
         let first = &source.optics.reflectance;
         let reflectance = object.reflectance.clone().unwrap_or_default().polarised(first.polarisation());
         source.optics.reflectance = reflectance.by(first.stated_theory());

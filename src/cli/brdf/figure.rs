@@ -1,8 +1,8 @@
 //! Maps as labelled figures.
 
 use super::Arguments;
-use super::map::HemisphereMap;
 use super::variant::Variant;
+use crate::brdf::hemisphere::HemisphereMap;
 use crate::cli::captions;
 use crate::cli::options::OpticsOptions;
 use crate::figure::{Axis, ColorScale, Figure, Mark, MarkShape, Panel, Raster, number, palette};

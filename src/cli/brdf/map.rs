@@ -1,280 +1,60 @@
-//! Maps of the hemisphere: averages over pixels, evaluated in tiles.
-//!
-//! A method that averages over footprints has a Gaussian of standard deviation half a pixel for each, as pictures have. Others answer
-//! several directions in each pixel.
+//! The map of `brdf`, with progress bars and warnings.
 
 use super::Arguments;
-use crate::brdf::Brdf;
+use crate::brdf::hemisphere::{HemisphereMap, MapLight, PixelParts};
 use crate::cli::console::Console;
 use crate::cli::options::OpticsOptions;
 use crate::cli::progress::ProgressBar;
 use crate::cli::{evaluation, prepare};
 use crate::error::Result;
-use crate::memory;
-use crate::optics::coherence::Coherence;
-use crate::optics::color;
-use crate::optics::geometry::{Pair, direction};
-use crate::optics::quadrature::gauss_legendre;
+use crate::optics::geometry::direction;
 use crate::optics::spectrum::SHORTEST;
-use crate::settings::Optics;
 use crate::setup::SourceSettings;
-use crate::spectra::power::Blur;
 use crate::surface::HeightField;
-use crate::task::{DIRECTIONS, Task};
-use glam::{DVec3, Vec3};
-use std::ops::Range;
+use crate::task::DIRECTIONS;
 
-/// A square map, row by row from the top: linear sRGB \[sr⁻¹\], alpha 1 in the disc, 0 outside. At a single wavelength the
-/// three channels are equal.
-#[derive(Clone, Debug)]
-pub struct HemisphereMap {
-    /// Pixels on a side.
-    pub side: u32,
-    /// All pixels.
-    pub pixels: Vec<[f32; 4]>,
-    /// Sum over the orders of the share of the lights that is sent into all directions; `None` if the method does not sum orders, or if no figure
-    /// is drawn.
-    pub of_orders: Option<f64>,
-}
-
-impl HemisphereMap {
-    /// Evaluates the map of `field` that `arguments` describe, by `optics`.
-    pub fn of(
-        arguments: &Arguments,
-        optics: &OpticsOptions,
-        field: &HeightField,
-        console: &Console,
-    ) -> Result<Self> {
-        let side = arguments.size;
-        let count = u64::from(side) * u64::from(side);
-        // Memory of the map, its displayed copy and the encoder of a picture.
-        memory::ensure_room(count * 48, "the map")?;
-        let optics = optics.for_directions(&arguments.colour, field, console)?;
-        if let Some(wavelength) = arguments.wavelength {
-            optics.reflectance.check_wavelength(wavelength)?;
-        }
-        let shortest = arguments.wavelength.unwrap_or(SHORTEST);
-        let mut pixels = vec![[0.0; 4]; count as usize];
-        let mut of_orders = None;
-        let parts = PixelParts::of(&optics, field, side, shortest);
-        let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
-        prepare::for_each_window(console, field, &settings, |brdf, share| {
-            let averages = brdf.average_over(of_pixel(side));
-            let parts = if averages { PixelParts::ONE } else { parts };
-            parts.warn(console);
-            let rule = gauss_legendre(parts.count);
-            let directions = views(side, 0..side).count() * rule.len().pow(2) * arguments.light.len();
-            let bar = ProgressBar::over(console, DIRECTIONS, "a smaller --size", directions);
-            // Figures alone say it.
-            if arguments.plot.is_some() {
-                of_orders = albedo(arguments, brdf, &bar.task_of_parts())?;
-            }
-            // A tile of whole rows at a time, so that memory beside the map stays at a few megabytes.
-            let rows = (evaluation::AT_ONCE as u32 / (side * parts.count.pow(2))).max(1);
-            for first in (0..side).step_by(rows as usize) {
-                let tile: Vec<_> = views(side, first..side.min(first + rows)).collect();
-                let parts: Vec<_> = tile.iter().map(|(_, view)| views_of_pixel(side, *view, &rule)).collect();
-                let asked: Vec<DVec3> = parts.iter().flatten().map(|(view, _)| *view).collect();
-                let mut values = shade(arguments, brdf, &asked, &bar)?.into_iter();
-                for ((place, _), parts) in tile.iter().zip(&parts) {
-                    let values = values.by_ref().take(parts.len()).zip(parts);
-                    let mean: DVec3 = values.map(|(value, (_, weight))| value * *weight).sum();
-                    let [r, g, b, _] = pixels[*place];
-                    let sum = Vec3::new(r, g, b) + (mean * share).as_vec3();
-                    pixels[*place] = sum.extend(1.0).to_array();
-                }
-            }
-            Ok(())
-        })?;
-        Ok(Self { side, pixels, of_orders })
+/// Evaluates the map of `field` that `arguments` describe, by `optics`.
+pub fn of(
+    arguments: &Arguments,
+    optics: &OpticsOptions,
+    field: &HeightField,
+    console: &Console,
+) -> Result<HemisphereMap> {
+    let mut map = HemisphereMap::dark(arguments.size)?;
+    let optics = optics.for_directions(&arguments.colour, field, console)?;
+    if let Some(wavelength) = arguments.wavelength {
+        optics.reflectance.check_wavelength(wavelength)?;
     }
-
-    /// Returns the value of each pixel \[sr⁻¹\]: the BRDF at a single wavelength, the luminance of a colour. NaN outside the disc.
-    pub fn values(&self) -> Vec<f64> {
-        // The row of Y in XYZ from linear sRGB (IEC 61966-2-1); the weights add up to 1.
-        let luminance = |[r, g, b, _]: [f32; 4]| {
-            0.212_639 * f64::from(r) + 0.715_169 * f64::from(g) + 0.072_192 * f64::from(b)
+    let shortest = arguments.wavelength.unwrap_or(SHORTEST);
+    let parts = PixelParts::new(optics.coherence, field, arguments.size, shortest);
+    let toward = |light: &crate::scene::FarLight| (direction(light.theta, light.phi), light.intensity);
+    let lights = arguments.light.iter().map(toward).collect();
+    let light = MapLight { lights, wavelength: arguments.wavelength };
+    let settings = SourceSettings { shortest, ..SourceSettings::new(optics) };
+    prepare::for_each_window(console, field, &settings, |brdf, share| {
+        let parts = map.parts_of(brdf, parts);
+        warn(parts, console);
+        let directions = parts.directions(arguments.size) * light.lights.len();
+        let bar = ProgressBar::over(console, DIRECTIONS, "a smaller --size", directions);
+        // Figures alone say it.
+        if arguments.plot.is_some() {
+            map.of_orders = light.albedo(brdf, &bar.task_of_parts())?;
+        }
+        let ask = &mut |brdf: &dyn crate::brdf::Brdf, pairs: &[_]| {
+            evaluation::ask(brdf, pairs, light.wavelength, &bar)
         };
-        self.pixels.iter().map(|p| if p[3] > 0.0 { luminance(*p) } else { f64::NAN }).collect()
-    }
-
-    /// Returns the albedo toward the upper hemisphere, ∫ f cos θ_r dω_r: the sum over the orders, or over the pixels, because on the disc of direction
-    /// cosines cos θ dω is the area.
-    pub fn albedo(&self) -> f64 {
-        if let Some(sum) = self.of_orders {
-            return sum;
-        }
-        let pixel = (2.0 / f64::from(self.side)).powi(2);
-        self.values().into_iter().filter(|f| !f.is_nan()).sum::<f64>() * pixel
-    }
-
-    /// Averages blocks of pixels until the side of the map is at most `most`.
-    pub fn reduced(&self, most: u32) -> Self {
-        let block = self.side.div_ceil(most);
-        if block < 2 {
-            return self.clone();
-        }
-        let side = self.side.div_ceil(block);
-        let mean = |(i, j): (u32, u32)| {
-            let within = |k: u32| k * block..((k + 1) * block).min(self.side);
-            let cells = within(j).flat_map(|y| within(i).map(move |x| (y * self.side + x) as usize));
-            let seen = cells.map(|place| self.pixels[place]).filter(|p| p[3] > 0.0);
-            let (sum, count) = seen.fold(([0.0f32; 3], 0u32), |(sum, count), p| {
-                ([sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]], count + 1)
-            });
-            let [r, g, b] = sum.map(|x| x / count.max(1) as f32);
-            [r, g, b, if count > 0 { 1.0 } else { 0.0 }]
-        };
-        let pixels = (0..side).flat_map(|j| (0..side).map(move |i| (i, j))).map(mean).collect();
-        Self { side, pixels, of_orders: self.of_orders }
-    }
+        map.add(brdf, &light, parts, share, ask)
+    })?;
+    Ok(map)
 }
 
-/// Returns the standard deviation of the filter of a pixel of a map, half of what (u, v) changes by from one to the next.
-fn of_pixel(side: u32) -> f64 {
-    1.0 / f64::from(side)
-}
-
-/// Directions in each pixel of a map whose method answers single directions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct PixelParts {
-    /// Number along each side of a pixel.
-    count: u32,
-    /// Number that would resolve the lobes of the light.
-    needed: f64,
-}
-
-impl PixelParts {
-    /// Middle of the pixel alone.
-    const ONE: Self = Self { count: 1, needed: 1.0 };
-    /// Largest number along a side.
-    const MOST: u32 = 8;
-
-    /// Returns the parts that resolve the lobes of light of this coherence, at the wavelength `shortest` \[µm\].
-    fn of(optics: &Optics, field: &HeightField, side: u32, shortest: f64) -> Self {
-        /// Mean distance of directions that resolves the light through a Gaussian window, in standard deviations of its lobe, and the light of n copies, in
-        /// distances between the zeros of an order. One direction more makes up for the ends of a pixel.
-        const OF_DEVIATION: f64 = 1.0;
-        const OF_ORDER: f64 = 0.6;
-        let largest_step = match optics.coherence {
-            Coherence::Gaussian { length } => {
-                OF_DEVIATION * Blur::of_coherence(length / 4.0).variance[0].sqrt() * shortest
-            }
-            Coherence::Repeats(copies) => {
-                let sides = [0, 1].map(|axis| f64::from(copies[axis]) * field.patch_size()[axis]);
-                OF_ORDER * shortest / sides[0].max(sides[1])
-            }
-        };
-        let needed = (2.0 / (f64::from(side) * largest_step)).ceil() + 1.0;
-        Self { count: needed.min(f64::from(Self::MOST)) as u32, needed }
-    }
-
-    /// Warns of lobes between the directions.
-    fn warn(self, console: &Console) {
-        if self.needed > f64::from(self.count) {
-            let times = (self.needed / f64::from(self.count)).ceil();
-            console.say(&format_args!(
-                "a pixel has {0} x {0} directions, {times} times too few along each side for orders as narrow as those of this light: a \
-                 larger --size has more of them",
-                self.count
-            ));
-        }
-    }
-}
-
-/// Returns the sum over the orders of the share of all lights that is sent into all directions, as a map sums it.
-fn albedo(arguments: &Arguments, brdf: &dyn Brdf, task: &Task) -> Result<Option<f64>> {
-    let mut sum = 0.0;
-    for light in &arguments.light {
-        let toward = direction(light.theta, light.phi);
-        let Some(sent) = brdf.albedo(toward, arguments.wavelength, task)? else { return Ok(None) };
-        sum += sent * light.intensity;
-    }
-    Ok(Some(sum))
-}
-
-/// Returns the linear sRGB toward `views`, all lights summed.
-fn shade(arguments: &Arguments, brdf: &dyn Brdf, views: &[DVec3], bar: &ProgressBar) -> Result<Vec<DVec3>> {
-    let mut sums = vec![DVec3::ZERO; views.len()];
-    for light in &arguments.light {
-        let toward = direction(light.theta, light.phi);
-        let pairs: Vec<Pair> = views.iter().map(|view| Pair::new(toward, *view)).collect();
-        let values = evaluation::ask(brdf, &pairs, arguments.wavelength, bar)?;
-        sums.iter_mut().zip(values).for_each(|(sum, f)| *sum += f * light.intensity);
-    }
-    let rgb = |sum: DVec3| arguments.wavelength.map_or_else(|| color::xyz_to_linear_srgb(sum), |_| sum);
-    Ok(sums.into_iter().map(rgb).collect())
-}
-
-/// Returns the pixels of the disc in `rows` of a map of `side` pixels, and ω_r of each: pixel centre (i+½, j+½) is (s_x, s_y, √(1 − s²)),
-/// s_x = 2(i+½)/N − 1, s_y = 1 − 2(j+½)/N.
-pub fn views(side: u32, rows: Range<u32>) -> impl Iterator<Item = (usize, DVec3)> {
-    let centre = move |i: u32| 2.0 * (f64::from(i) + 0.5) / f64::from(side) - 1.0;
-    let pixel = move |(i, j): (u32, u32)| {
-        let place = j as usize * side as usize + i as usize;
-        above(centre(i), -centre(j)).map(|view| (place, view))
-    };
-    rows.flat_map(move |j| (0..side).map(move |i| (i, j))).filter_map(pixel)
-}
-
-/// Returns directions in the pixel whose middle is `view`, of a map of `side` pixels, and their weights in the mean: by `rule` along each side, or evenly over what is above
-/// the horizon.
-fn views_of_pixel(side: u32, view: DVec3, rule: &[(f64, f64)]) -> Vec<(DVec3, f64)> {
-    /// Directions along a side of a pixel that the horizon cuts.
-    const AT_HORIZON: u32 = 8;
-    let pixel = 2.0 / f64::from(side);
-    let at = |x: f64, y: f64| above(view.x + pixel * (x - 0.5), view.y + pixel * (y - 0.5));
-    let whole: Option<Vec<_>> = rule
-        .iter()
-        .flat_map(|(x, a)| rule.iter().map(move |(y, b)| (x, y, a * b)))
-        .map(|(x, y, weight)| at(*x, *y).map(|view| (view, weight)))
-        .collect();
-    whole.unwrap_or_else(|| {
-        let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(AT_HORIZON);
-        let places = (0..AT_HORIZON).flat_map(|i| (0..AT_HORIZON).map(move |j| (i, j)));
-        let views: Vec<DVec3> = places.filter_map(|(i, j)| at(middle(i), middle(j))).collect();
-        let weight = 1.0 / views.len() as f64;
-        views.into_iter().map(|view| (view, weight)).collect()
-    })
-}
-
-/// Returns the direction of these cosines above the surface; `None` beyond the horizon.
-fn above(x: f64, y: f64) -> Option<DVec3> {
-    let z = 1.0 - x * x - y * y;
-    (z > 0.0).then(|| DVec3::new(x, y, z.sqrt()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pixel_centres_are_unit_vectors_with_y_up_and_the_corners_are_outside() {
-        let views: Vec<_> = views(4, 0..4).collect();
-        assert_eq!(views.len(), 12, "4 of 16 pixels are corners");
-        let at = |i: usize, j: usize| views.iter().find(|(place, _)| *place == j * 4 + i).map(|(_, v)| *v);
-        assert_eq!(at(0, 0), None);
-        let (right, top) = (at(3, 1).unwrap(), at(2, 0).unwrap());
-        assert_eq!((right.x, right.y, top.x, top.y), (0.75, 0.25, 0.25, 0.75));
-        assert!(views.iter().all(|(_, v)| (v.length() - 1.0).abs() < 1e-15 && v.z > 0.0));
-        assert_eq!(super::views(1, 0..1).collect::<Vec<_>>(), [(0, DVec3::Z)]);
-    }
-
-    #[test]
-    fn a_map_of_one_over_pi_has_an_albedo_of_1_and_keeps_it_when_reduced() {
-        let (side, white) = (512, std::f32::consts::FRAC_1_PI);
-        let mut pixels = vec![[0.0; 4]; (side * side) as usize];
-        views(side, 0..side).for_each(|(place, _)| pixels[place] = [white, white, white, 1.0]);
-        let map = HemisphereMap { side, pixels, of_orders: None };
-        assert!((map.albedo() - 1.0).abs() < 1e-3, "{}", map.albedo());
-        let small = map.reduced(100);
-        assert_eq!(small.side, 86);
-        assert!(
-            small
-                .values()
-                .iter()
-                .filter(|f| !f.is_nan())
-                .all(|f| (f - std::f64::consts::FRAC_1_PI).abs() < 1e-6)
-        );
+/// Warns of lobes between the directions of a pixel.
+fn warn(parts: PixelParts, console: &Console) {
+    if let Some(times) = parts.lack() {
+        console.say(&format_args!(
+            "a pixel has {0} x {0} directions, {times} times too few along each side for orders as narrow as those of this light: a \
+             larger --size has more of them",
+            parts.count
+        ));
     }
 }

@@ -1,7 +1,7 @@
 //! `diffract brdf`: the hemisphere of one light direction, as a picture or as numbers.
 
 mod figure;
-pub(super) mod map;
+mod map;
 mod numbers;
 mod variant;
 
@@ -11,6 +11,7 @@ use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions, exposure,
 };
 use super::{captions, evaluation, write};
+use crate::brdf::hemisphere::HemisphereMap;
 use crate::error::{Error, Result};
 use crate::figure::{FigureFormat, FigureStyle};
 use crate::files::Files;
@@ -24,7 +25,6 @@ use crate::surface::HeightField;
 use crate::units;
 use clap::Args;
 use glam::DVec3;
-use map::HemisphereMap;
 use numbers::MapFormat;
 use serde::Serialize;
 use std::ffi::OsString;
@@ -136,7 +136,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     if let (Some(variants), Some(plot)) = (&arguments.compare, &arguments.plot) {
         return compare(arguments, &field, variants, plot, &style, console);
     }
-    let map = HemisphereMap::of(arguments, &arguments.optics, &field, console)?;
+    let map = map::of(arguments, &arguments.optics, &field, console)?;
     if let Some(plot) = &arguments.plot {
         figure::of_map(arguments, &field, &map).save(plot, &style, &captions::notes(&field, console))?;
     }
@@ -200,8 +200,8 @@ fn compare(
     let [a, b] = variants.each_ref().map(|variant| variant.of(&arguments.optics));
     let optics = [a?, b?];
     let maps = [
-        HemisphereMap::of(arguments, &optics[0], field, console)?,
-        HemisphereMap::of(arguments, &optics[1], field, console)?,
+        map::of(arguments, &optics[0], field, console)?,
+        map::of(arguments, &optics[1], field, console)?,
     ];
     figure::of_two(arguments, field, variants, &optics, &maps).save(
         plot,

@@ -1,6 +1,6 @@
 //! Maps as numbers: CSV and NumPy arrays.
 
-use super::map::{HemisphereMap, views};
+use crate::brdf::hemisphere::{HemisphereMap, views};
 use crate::cli::write::Csv;
 use crate::error::{Error, Result};
 use crate::memory;

@@ -1,11 +1,11 @@
 //! Peaks as a labelled figure: wavelength against angle, and the period that follows from each wavelength.
 
-use super::report::{FollowedBranch, Found};
-use super::sweep::AngleSweep;
 use super::{Arguments, TangentAxis};
 use crate::cli::captions;
 use crate::figure::{Axis, AxisScale, ColorScale, Figure, Mark, MarkShape, Panel, Raster, palette};
+use crate::measure::order_peaks::{FollowedBranch, OrderPeaks};
 use crate::measure::peaks::{Peak, PeriodStatistics, WindowSpread};
+use crate::measure::sweep::AngleSweep;
 use crate::optics::geometry::sin_cos_degrees;
 use crate::optics::grating;
 use crate::surface::HeightField;
@@ -18,7 +18,7 @@ const FINEST: [usize; 2] = [1200, 800];
 const DECADES: f64 = 5.0;
 
 /// Returns the figure of a sweep and the peaks found in it.
-pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &AngleSweep, found: &[Found]) -> Figure {
+pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &AngleSweep, found: &[OrderPeaks]) -> Figure {
     Figure::new("")
         .row(vec![map(arguments, sweep, found), periods(arguments, found)])
         .panel_size(680.0, 470.0)
@@ -26,7 +26,7 @@ pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &AngleSweep, fo
 }
 
 /// Returns the response in false colour, with the peaks and the angles of the grating equation.
-fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
+fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[OrderPeaks]) -> Panel {
     let half = |step: f64| step / 2.0;
     let ends = |values: &[f64], half: f64| (values[0] - half, values[values.len() - 1] + half);
     let (left, right) = ends(&sweep.angles, half(arguments.angles.step()));
@@ -64,7 +64,7 @@ fn map(arguments: &Arguments, sweep: &AngleSweep, found: &[Found]) -> Panel {
 }
 
 /// Returns the periods \[µm\] whose grating equation is drawn: the given one, those of the branches, or the mean.
-fn drawn_periods(arguments: &Arguments, of: &Found) -> Vec<f64> {
+fn drawn_periods(arguments: &Arguments, of: &OrderPeaks) -> Vec<f64> {
     match arguments.period {
         Some(given) => vec![given],
         None if of.branches.is_empty() => of.statistics.mean.into_iter().collect(),
@@ -73,7 +73,7 @@ fn drawn_periods(arguments: &Arguments, of: &Found) -> Vec<f64> {
 }
 
 /// Returns the angle of each wavelength's peak \[degrees, nm\], broken between different orders or branches.
-fn ridge(found: &Found) -> Vec<[f64; 2]> {
+fn ridge(found: &OrderPeaks) -> Vec<[f64; 2]> {
     /// Largest ratio of the periods of neighbouring wavelengths of one order.
     const SAME: f64 = 1.1;
     let mut points = Vec::with_capacity(found.peaks.len());
@@ -141,7 +141,7 @@ impl Series {
     }
 
     /// Returns one series of the order, or one of each of its branches.
-    fn of(found: &Found) -> Vec<Self> {
+    fn of(found: &OrderPeaks) -> Vec<Self> {
         let order = format!("order {}", found.sought.order);
         if found.branches.is_empty() {
             return vec![Self::new(order, found.peaks.iter(), found.statistics, found.spread)];
@@ -155,7 +155,7 @@ impl Series {
 }
 
 /// Returns the panel of the period at each wavelength, with the mean and the standard deviation.
-fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
+fn periods(arguments: &Arguments, found: &[OrderPeaks]) -> Panel {
     let series: Vec<Series> = found.iter().flat_map(Series::of).collect();
     let all = || series.iter().flat_map(|one| &one.points);
     let given = arguments.period.map(|d| d * 1e3);
@@ -181,9 +181,9 @@ fn periods(arguments: &Arguments, found: &[Found]) -> Panel {
     }
 }
 
-fn caption(arguments: &Arguments, field: &HeightField, found: &[Found]) -> String {
+fn caption(arguments: &Arguments, field: &HeightField, found: &[OrderPeaks]) -> String {
     let name = arguments.surface.name(arguments.surface_name.as_deref());
-    let told = |of: &Found| format!("Order {}: {}.", of.sought.order, of.lines().join("; "));
+    let told = |of: &OrderPeaks| format!("Order {}: {}.", of.sought.order, of.lines().join("; "));
     let lines: Vec<String> = found.iter().map(told).collect();
     let periods = match found {
         [only] if only.branches.is_empty() => "the dashed line is the mean, the band the standard deviation",

@@ -13,15 +13,17 @@ use super::{captions, evaluation, write};
 use crate::error::{Error, Result};
 use crate::figure::FigureFormat;
 use crate::files::Files;
-use crate::measure::peaks::{PeriodStatistics, Sought, WindowSpread};
+use crate::measure::order_peaks::{OrderPeaks, spread_over_windows};
+use crate::measure::peaks::Sought;
+use crate::measure::sweep::{AngleSweep, SweepPlane, independent_windows};
 use crate::optics::coherence::Windows;
+use crate::units;
 use clap::{Args, ValueEnum};
 use copies::CopiedPeriods;
-use report::{Found, PeaksReport};
+use report::PeaksReport;
 use serde::Serialize;
 use std::ffi::OsString;
 use std::path::PathBuf;
-use sweep::{AngleSweep, independent_windows};
 
 /// Nanometres in a micrometre.
 const NM_PER_UM: f64 = 1e3;
@@ -129,6 +131,18 @@ impl TangentAxis {
     }
 }
 
+impl Arguments {
+    /// Returns the directions of the sweep.
+    fn plane(&self) -> SweepPlane {
+        SweepPlane {
+            theta_i: self.theta_i,
+            azimuth: self.axis.azimuth(),
+            wavelengths: self.wavelengths.values().into_iter().map(units::micrometres).collect(),
+            angles: self.angles.values(),
+        }
+    }
+}
+
 fn theta_i(text: &str) -> Result<f64> {
     options::real(text, THETA_I, "angle of the light")
 }
@@ -206,14 +220,14 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     for nanometres in arguments.wavelengths.values() {
         optics.reflectance.check_wavelength(nanometres / NM_PER_UM)?;
     }
-    let (sweep, alone) = AngleSweep::of(arguments, &optics, &field, console)?;
+    let (sweep, alone) = sweep::of(&arguments.plane(), &optics, &field, console)?;
     let mut found = searched(arguments, &sweep);
     let asked: &[AngleSweep] = if arguments.optics.windows() == Windows::All { &[] } else { &alone };
     for of in &mut found {
         of.find_branches(&sweep, asked);
     }
     spread_over_windows(independent_windows(&optics, &field), &alone, &mut found);
-    let windows: Vec<Vec<Found>> = asked.iter().map(|one| searched(arguments, one)).collect();
+    let windows: Vec<Vec<OrderPeaks>> = asked.iter().map(|one| searched(arguments, one)).collect();
     write::result(arguments.output.as_deref(), &report::table(&found).text()?, console)?;
     tell(&found, &windows, console);
     let copies = CopiedPeriods::of(&optics, &field)?;
@@ -253,31 +267,12 @@ struct PeaksDocument<'a> {
 }
 
 /// Finds the peaks of every requested order.
-fn searched(arguments: &Arguments, sweep: &AngleSweep) -> Vec<Found> {
+fn searched(arguments: &Arguments, sweep: &AngleSweep) -> Vec<OrderPeaks> {
     let orders = &arguments.order.0;
     // A single order is searched in the whole range.
     let apart = arguments.period.filter(|_| orders.len() > 1);
     let sought = |&order| Sought { theta_i: arguments.theta_i, order, period: apart };
-    orders.iter().map(|order| Found::new(sought(order), sweep)).collect()
-}
-
-/// Gives each of the peaks `found` its spread over the windows whose sweeps are `alone`.
-/// `independent` of all windows are independent.
-fn spread_over_windows(independent: Option<f64>, alone: &[AngleSweep], found: &mut [Found]) {
-    // A single wavelength or window, or a grating that is the same everywhere, has no spread.
-    let Some(independent) = independent.filter(|_| alone.len() > 1) else { return };
-    let mean = AngleSweep::mean(alone);
-    let rest: Vec<AngleSweep> = alone.iter().map(|one| mean.without(one, alone.len())).collect();
-    let spread = |period: &dyn Fn(&AngleSweep) -> Option<f64>| {
-        let periods: Option<Vec<f64>> = rest.iter().map(period).collect();
-        periods.and_then(|periods| WindowSpread::jackknife(&periods, independent))
-    };
-    for of in found {
-        of.spread = spread(&|rest| PeriodStatistics::of(&rest.map(of.sought).largest()).mean);
-        for followed in &mut of.branches {
-            followed.spread = spread(&|rest| rest.map(of.sought).along(&followed.branch).mean);
-        }
-    }
+    orders.iter().map(|order| OrderPeaks::new(sought(order), sweep)).collect()
 }
 
 /// Standard deviation over mean from which on wavelengths cannot all belong to the same order: the second order gives half the period of
@@ -285,7 +280,7 @@ fn spread_over_windows(independent: Option<f64>, alone: &[AngleSweep], found: &m
 const SCATTERED: f64 = 0.1;
 
 /// Prints the periods, a line each on stderr.
-fn tell(found: &[Found], windows: &[Vec<Found>], console: &Console) {
+fn tell(found: &[OrderPeaks], windows: &[Vec<OrderPeaks>], console: &Console) {
     for (i, of) in found.iter().enumerate() {
         let order = of.sought.order;
         let which = if found.len() > 1 { format!("order {order}: ") } else { String::new() };
@@ -315,12 +310,12 @@ fn tell(found: &[Found], windows: &[Vec<Found>], console: &Console) {
 /// Returns a report for each order, with the shift of the period by copies, relative to it.
 fn reports(
     arguments: &Arguments,
-    found: &[Found],
-    windows: &[Vec<Found>],
+    found: &[OrderPeaks],
+    windows: &[Vec<OrderPeaks>],
     shift: Option<f64>,
 ) -> Vec<PeaksReport> {
-    let report = |(i, of): (usize, &Found)| {
-        let alone: Vec<&Found> = windows.iter().map(|window| &window[i]).collect();
+    let report = |(i, of): (usize, &OrderPeaks)| {
+        let alone: Vec<&OrderPeaks> = windows.iter().map(|window| &window[i]).collect();
         PeaksReport::new(arguments.theta_i, arguments.axis, of, &alone).with_shift(shift)
     };
     found.iter().enumerate().map(report).collect()

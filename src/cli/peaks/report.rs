@@ -1,71 +1,13 @@
 //! Report of the peaks, as CSV, as a line and as JSON.
 
 use super::TangentAxis;
-use super::sweep::AngleSweep;
 use crate::cli::write::Csv;
 use crate::measure::branches::Branch;
-use crate::measure::peaks::{Peak, PeriodStatistics, Sought, WindowSpread};
+use crate::measure::order_peaks::{FollowedBranch, OrderPeaks};
+use crate::measure::peaks::{PeriodStatistics, WindowSpread};
 use serde::Serialize;
 
-/// The peaks of one order.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// Light, order and period.
-    pub sought: Sought,
-    /// Largest response of each wavelength.
-    pub peaks: Vec<Peak>,
-    /// Period over all of them.
-    pub statistics: PeriodStatistics,
-    /// Spread of that period over windows, if several are averaged.
-    pub spread: Option<WindowSpread>,
-    /// Branches between which the largest response changes, the strongest first; empty if it does not change.
-    pub branches: Vec<FollowedBranch>,
-}
-
-/// A branch of maxima.
-#[derive(Clone, Debug)]
-pub struct FollowedBranch {
-    /// Maxima of the branch and their period.
-    pub branch: Branch,
-    /// Spread of the period over windows, if several are averaged.
-    pub spread: Option<WindowSpread>,
-    /// Period of the branch through each window alone.
-    pub windows: Vec<PeriodStatistics>,
-}
-
-impl Found {
-    /// Finds the largest responses of `sweep`, without branches.
-    pub fn new(sought: Sought, sweep: &AngleSweep) -> Self {
-        let peaks = sweep.map(sought).largest();
-        let statistics = PeriodStatistics::of(&peaks);
-        Self { sought, peaks, statistics, spread: None, branches: Vec::new() }
-    }
-
-    /// Finds the branches of `sweep`, and follows them through each of the `windows` alone.
-    pub fn find_branches(&mut self, sweep: &AngleSweep, windows: &[AngleSweep]) {
-        let follow = |branch: Branch| FollowedBranch {
-            windows: windows.iter().map(|one| one.map(self.sought).along(&branch)).collect(),
-            branch,
-            spread: None,
-        };
-        self.branches = sweep.map(self.sought).branches().into_iter().map(follow).collect();
-    }
-
-    /// Returns the number, from 1, of the branch on which the largest response of wavelength number `place` lies.
-    pub fn branch_at(&self, place: usize) -> Option<usize> {
-        let largest = self.peaks[place].angle;
-        let is_there = |f: &FollowedBranch| f.branch.peaks[place].is_some_and(|peak| peak.angle == largest);
-        self.branches.iter().position(is_there).map(|number| number + 1)
-    }
-
-    /// Returns the period over all wavelengths and its spread, or those of the strongest branch if there are several.
-    fn strongest(&self) -> (&PeriodStatistics, Option<&WindowSpread>) {
-        match self.branches.first() {
-            Some(followed) => (&followed.branch.statistics, followed.spread.as_ref()),
-            None => (&self.statistics, self.spread.as_ref()),
-        }
-    }
-
+impl OrderPeaks {
     /// Returns the period in a line, as for a single branch.
     pub fn line(&self) -> String {
         let period = in_words(&self.statistics, self.spread.as_ref());
@@ -161,7 +103,7 @@ fn over_windows(spread: &WindowSpread) -> String {
 }
 
 /// Returns the CSV; with several orders or branches, another column numbers them.
-pub fn table(found: &[Found]) -> Csv {
+pub fn table(found: &[OrderPeaks]) -> Csv {
     let cell = |value: Option<f64>| value.map(|x| x.to_string()).unwrap_or_default();
     let columns = [true, true, true, true, found.len() > 1, found.iter().any(|of| !of.branches.is_empty())];
     let mut table = Csv::new();
@@ -302,7 +244,7 @@ impl PeriodSummary {
 
 impl PeaksReport {
     /// Returns the report of one order, and of the same order through each window alone.
-    pub fn new(theta_i: f64, axis: TangentAxis, found: &Found, windows: &[&Found]) -> Self {
+    pub fn new(theta_i: f64, axis: TangentAxis, found: &OrderPeaks, windows: &[&OrderPeaks]) -> Self {
         let (period, spread) = found.strongest();
         let alone: Vec<&PeriodStatistics> = match found.branches.first() {
             Some(strongest) => strongest.windows.iter().collect(),

@@ -5,7 +5,6 @@ use crate::optics::coherence::{Beyond, SUNLIGHT_LENGTH};
 use crate::optics::sampling;
 use crate::optics::spectrum::SHORTEST;
 use crate::optics::validity::ScalarTheory;
-use crate::setup;
 use crate::spectra::amplitude::expansion::HeightScale;
 use crate::spectra::amplitude::expansion::taylor::{F32_ROUNDOFF, terms_for, thesis_bound};
 use crate::spectra::amplitude::layers::largest_z;
@@ -63,7 +62,7 @@ fn grid(field: &HeightField, statistics: &Statistics) -> Vec<Line> {
 
 /// Returns the default of `--beyond` for a surface with these seams, with the reason.
 fn beyond(tiling: &Tiling) -> &'static str {
-    match setup::continued(tiling) {
+    match Beyond::across(tiling) {
         Beyond::Copies => "copies by default, because copies join",
         Beyond::Alike => "alike by default, because copies do not join",
     }
@@ -157,7 +156,7 @@ fn optics(field: &HeightField) -> Vec<Line> {
 /// Returns the size of the orders' series in sunlight for a `tolerance`.
 fn power_cost(field: &HeightField, tolerance: f64) -> String {
     const MIB: f64 = 1024.0 * 1024.0;
-    let settings = PowerSettings::new(SUNLIGHT_LENGTH / 4.0, setup::beyond_of(field), tolerance);
+    let settings = PowerSettings::new(SUNLIGHT_LENGTH / 4.0, Beyond::suited_to(field), tolerance);
     let Some(Estimate { terms, orders: [x, y], bytes }) = OrderSeries::estimate(field, &settings) else {
         return format!("error {tolerance:.0e}: not for so high a surface");
     };

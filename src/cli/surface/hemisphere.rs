@@ -1,16 +1,15 @@
 //! Colours of a surface over all directions: an overview for the page of `surface info`, computed on the CPU.
 
-use crate::cli::brdf::map::{HemisphereMap, views};
+use crate::brdf::hemisphere::{HemisphereMap, views};
 use crate::cli::console::Console;
 use crate::cli::progress::ProgressBar;
 use crate::error::Result;
 use crate::figure::{Mark, MarkShape, Panel, Raster, palette};
 use crate::filter::Covariance;
-use crate::optics::coherence::Coherence;
+use crate::optics::coherence::{Beyond, Coherence};
 use crate::optics::color::{display, xyz_to_linear_srgb};
 use crate::optics::geometry::{Pair, direction};
 use crate::optics::spectrum::Illuminant;
-use crate::setup;
 use crate::spectra::power::{OrderSeries, PowerSettings};
 use crate::surface::{HeightField, Statistics};
 use crate::table::{ColorTable, TableReader, TableSettings, bake};
@@ -61,7 +60,7 @@ pub fn panels(
     let words = format!(
         "Colours{of_part}: what a pixel sees from each direction (mean over coherence areas), from above, x to the right, y up, rings of \
          polar angle every 15°; D65, coherence {COHERENCE} µm, refractive index {IOR}, {} beyond the patch.",
-        setup::beyond_of(&part).name()
+        Beyond::suited_to(&part).name()
     );
     Ok((vec![above, aside], words))
 }
@@ -69,7 +68,7 @@ pub fn panels(
 /// Bakes the colour table of `field`.
 fn table(field: &HeightField, console: &Console) -> Result<Arc<ColorTable>> {
     let sigma = Coherence::Gaussian { length: COHERENCE }.sigma().unwrap_or(COHERENCE);
-    let powers = PowerSettings::new(sigma, setup::beyond_of(field), TOLERANCE);
+    let powers = PowerSettings::new(sigma, Beyond::suited_to(field), TOLERANCE);
     let colours = TableSettings {
         finest: SPREAD,
         side_limit: MOST_TEXELS,
@@ -187,7 +186,7 @@ mod tests {
             let mean = MeanBrdf {
                 field: field.clone(),
                 sigma,
-                beyond: setup::beyond_of(&field),
+                beyond: Beyond::suited_to(&field),
                 reflectance: IOR.into(),
             };
             let exact = TabulatedMean::new(mean, SHORTEST, &Task::silent()).unwrap();
