@@ -21,6 +21,10 @@ pub struct Progress {
 
 /// Stage of work that evaluates directions.
 pub const DIRECTIONS: &str = "directions";
+/// Stage of work that prepares a surface.
+pub const PREPARATION: &str = "preparation";
+/// Stage of work that measures a surface.
+pub const STATISTICS: &str = "statistics";
 /// Stage of work that computes orders.
 pub const ORDERS: &str = "orders";
 

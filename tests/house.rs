@@ -95,8 +95,8 @@ const FLOORS: [(&str, &[&str]); 33] = [
     (
         "measure",
         &[
-            "settings", "budget", "setup", "render", "table", "spectra", "optics", "surface", "error", "task",
-            "input", "memory", "output", "random", "units",
+            "settings", "budget", "setup", "render", "table", "spectra", "optics", "surface", "error",
+            "task", "input", "memory", "output", "random", "units",
         ],
     ),
     (
@@ -187,7 +187,7 @@ const FLOORS: [(&str, &[&str]); 33] = [
 
 /// The small modules, which import nothing but the error.
 const SMALL: &[&str] =
-    &["error", "fft_size", "input", "memory", "notes", "output", "random", "sums", "units"];
+    &["error", "fft_size", "input", "memory", "notes", "output", "random", "sums", "task", "units"];
 
 /// Files of `src/`, relative to it.
 fn sources() -> Vec<PathBuf> {

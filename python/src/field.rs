@@ -186,11 +186,7 @@ impl CoreField {
     fn prepare(&self, py: Python<'_>, steps: Vec<String>, context: &CoreContext) -> PyResult<Self> {
         let field = self.field.clone();
         let prepared = work::run(py, context, None, move |_, task| {
-            // Between two steps the work may be stopped.
-            steps.iter().try_fold(field, |field, step| {
-                task.check()?;
-                field.prepare(&[step])
-            })
+            field.prepare(&steps.iter().map(String::as_str).collect::<Vec<_>>(), task)
         })?;
         Ok(Self::new(prepared, self.origin.prepared()))
     }
@@ -199,7 +195,7 @@ impl CoreField {
     fn report(&self, py: Python<'_>, optics: &CoreOptics, context: &CoreContext) -> PyResult<String> {
         let (field, origin) = (self.field.clone(), self.origin.clone());
         let optics = optics.of(&field);
-        work::run(py, context, None, move |_, _| inside::report(&field, &origin, &optics))
+        work::run(py, context, None, move |_, task| inside::report(&field, &origin, &optics, task))
     }
 
     /// Writes the field to a file.

@@ -7,7 +7,7 @@ use diffract::internals::notes::PreparationRecord;
 use diffract::internals::surface::Statistics;
 use diffract::internals::surface::files::plausible::HeightSource;
 use diffract::internals::surface::files::{self, ScanOrigin, Spacing, Topography};
-use diffract::{HeightField, Optics, ReadSettings, Result, Scene};
+use diffract::{HeightField, Optics, ReadSettings, Result, Scene, Task};
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::Arc;
@@ -99,7 +99,7 @@ pub fn with_steps(field: HeightField, steps: &[String]) -> HeightField {
 }
 
 /// Returns the report of `field` as JSON, as the command `surface info` writes it, with the errors of scalar theory under `optics`.
-pub fn report(field: &HeightField, origin: &Origin, optics: &Optics) -> Result<String> {
+pub fn report(field: &HeightField, origin: &Origin, optics: &Optics, task: &Task) -> Result<String> {
     let report = match &origin.report {
         Some(report) => SurfaceReport::clone(report),
         None => {
@@ -107,7 +107,7 @@ pub fn report(field: &HeightField, origin: &Origin, optics: &Optics) -> Result<S
             SurfaceReport::new(&origin.name, &heights, origin.scan.as_ref(), origin.invalid)
         }
     };
-    let statistics = Statistics::of(field)?;
+    let statistics = Statistics::of(field, task)?;
     let light = LightColour::Spectrum(&optics.illuminant);
     let theory = ScalarTheory::of_field(field, &optics.reflectance, light)?;
     let report = report.with_statistics(field, statistics, theory)?;

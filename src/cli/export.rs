@@ -5,7 +5,7 @@ mod page;
 use self::page::PageSubject;
 use super::console::Console;
 use super::options::{ColourOptions, OpticsOptions, SurfaceOptions, real};
-use super::progress::{LESS_WORK, ProgressBar};
+use super::progress::{LESS_WORK, ProgressBar, surface_task};
 use super::{captions, prepare, write};
 use crate::brdf::energy_map::EnergyMap;
 use crate::error::{Error, Remedy, Result};
@@ -105,7 +105,8 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         return Err(Error::usage("an export is a colour table", Remedy::TableMethod));
     }
     let source = arguments.surface.source(arguments.surface_name.as_deref(), None, "elaphe")?;
-    let field = source.prepare(arguments.surface.read(&source, console)?.into_field()?)?;
+    let field =
+        source.prepare(arguments.surface.read(&source, console)?.into_field()?, &surface_task(console))?;
     let optics = arguments.optics.for_directions(&arguments.colour, &field, console)?;
     let optics = Optics { method: Method::Table, ..optics }.checked()?;
     let settings = ExportSettings { most_bytes, ..optics.export_settings(arguments.footprint)? };
@@ -127,7 +128,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         };
         let subject =
             PageSubject { source: &source, field: &field, optics: &optics, illuminant, mesh: mesh.as_ref() };
-        page::write(path, &subject, &material, &description)?;
+        page::write(path, &subject, &material, &description, &surface_task(console))?;
     }
     if let Some(path) = &arguments.json {
         write::json(path, &description)?;

@@ -1,7 +1,7 @@
 //! Progress of long work: a bar on a terminal, and one line about work that takes many minutes.
 
 use super::console::Console;
-use crate::task::{Progress, Task};
+use crate::task::{PREPARATION, Progress, Task};
 use indicatif::ProgressStyle;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,6 +16,11 @@ const MANY_MINUTES: f64 = 120.0;
 
 /// Words for what makes the preparation of a surface shorter.
 pub const LESS_WORK: &str = "a part of the surface (--crop), or a larger --tolerance,";
+
+/// Returns the task of work on a surface itself: its preparation and statistics. It has a bar of its own.
+pub fn surface_task(console: &Console) -> Task {
+    ProgressBar::new(console, PREPARATION, LESS_WORK).task()
+}
 
 /// Bar on stderr that shows the steps of some work, one after the other. It is drawn on a terminal only, and removed with its last clone.
 #[derive(Clone)]

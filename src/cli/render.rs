@@ -7,7 +7,7 @@ use super::options::{
     CacheOptions, ColourOptions, DeviceOptions, MeshOptions, OpticsOptions, SurfaceOptions, ViewOptions,
     sample_pixels,
 };
-use super::progress::ProgressBar;
+use super::progress::{ProgressBar, surface_task};
 use super::sequence::SequenceOptions;
 use super::{captions, prepare, scale};
 use crate::error::{Error, Remedy, Result};
@@ -136,7 +136,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     };
     let shaded = arguments.sample_pixels;
     let measured = scene.display.auto_exposure;
-    let surfaces = ObjectSurface::of(&scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
+    let surfaces = ObjectSurface::of(&scene, &field, &settings.source, &mut |s| {
+        s.load(&surface_task(console)).map(Arc::new)
+    })?;
     let work = PictureWork {
         console,
         scene: &scene,

@@ -15,6 +15,7 @@ use super::captions;
 use super::console::Console;
 use super::options::{self, FigureOptions, SurfaceOptions, seed};
 use super::remedies::in_options;
+use crate::cli::progress::surface_task;
 use crate::error::{Error, Result};
 use crate::figure::{self, FigureStyle};
 use crate::files::Files;
@@ -223,8 +224,9 @@ fn describe(
     };
     let file: String =
         report::lines(&scan).iter().map(|(name, value)| format!("{name:<26}{value}\n")).collect();
-    let field = source.prepare(scan.into_field()?)?;
-    let statistics = Statistics::of(&field)?;
+    let task = surface_task(console);
+    let field = source.prepare(scan.into_field()?, &task)?;
+    let statistics = Statistics::of(&field, &task)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
         let drawn = plot::figure(&source, &field, &statistics, &theory, console)?;
@@ -242,8 +244,12 @@ fn report(
     console: &Console,
 ) -> Result<String> {
     let (origin, invalid) = (scan.origin().cloned(), scan.missing());
-    let scan =
-        if source.prepare.is_empty() { scan } else { Topography::of(source.prepare(scan.into_field()?)?) };
+    let task = surface_task(console);
+    let scan = if source.prepare.is_empty() {
+        scan
+    } else {
+        Topography::of(source.prepare(scan.into_field()?, &task)?)
+    };
     let notes = Notes::new(captions::own_command(console), scan.prepared());
     let report = SurfaceReport::new(&source.name, &scan, origin.as_ref(), invalid);
     let field = match scan.into_field() {
@@ -251,7 +257,7 @@ fn report(
         Err(e) if arguments.plot.is_none() => return report::json(&report.without_statistics(&e), &notes),
         Err(e) => return Err(e),
     };
-    let statistics = Statistics::of(&field)?;
+    let statistics = Statistics::of(&field, &task)?;
     let theory = arguments.scalar_theory(&field)?;
     if let Some(path) = &arguments.plot {
         plot::figure(source, &field, &statistics, &theory, console)?.save(path, style, &notes)?;

@@ -7,6 +7,7 @@ use super::options::{
 use super::{check_validation, last_view, prepare, scene_options, usage_error, view_command};
 use crate::error::{Error, Result};
 use crate::settings::Method;
+use crate::task::Task;
 use crate::units;
 use crate::viewer::{self, LastView, SceneFiles, Start, ViewSettings};
 use ash::vk;
@@ -116,7 +117,7 @@ pub fn start(arguments: &Arguments, console: &Console) -> Result<Start> {
     (plain.display.background, plain.display.is_opaque) = (scene.display.background, scene.display.is_opaque);
     let surface = arguments.surface.source(None, Some(&scene), "elaphe")?;
     if surface.kind().is_none() {
-        surface.load()?; // a file that is none is told before a window opens
+        surface.load(&Task::silent())?; // a file that is none is told before a window opens
     }
     let settings = ViewSettings {
         scene: utf8(&arguments.scene)?,

@@ -9,9 +9,10 @@ use crate::surface::files::topography::Topography;
 use crate::surface::files::write::{self, ScanFormat};
 use crate::surface::prepare::{self, PreparationStep};
 use crate::surface::statistics::Statistics;
-use crate::surface::synth::{self, Spec, SurfaceKind};
 use crate::surface::statistics::plot_grid::PlotGrid;
+use crate::surface::synth::{self, Spec, SurfaceKind};
 use crate::surface::{HeightField, SurfaceSource};
+use crate::task::Task;
 use std::path::Path;
 
 /// Measures of a height field, as `surface info` prints them. The heights are taken as they are: prepare the field first.
@@ -44,16 +45,16 @@ impl HeightField {
     /// # Errors
     /// See [`Self::read`] and [`Self::generate`].
     pub fn open(name: impl AsRef<Path>) -> Result<Self> {
-        SurfaceSource::named(name.as_ref().as_os_str()).load()
+        SurfaceSource::named(name.as_ref().as_os_str()).load(&Task::silent())
     }
 
     /// Returns the field after the preparation `steps`, in the words of scene files, such as `level plane` or `crop 40um`.
     ///
     /// # Errors
-    /// Fails for words that are no step, and for a step that cannot be done; the message names it.
-    pub fn prepare(&self, steps: &[&str]) -> Result<Self> {
+    /// Fails for words that are no step, and for a step that cannot be done; the message names it. Also fails if the task is cancelled.
+    pub fn prepare(&self, steps: &[&str], task: &Task) -> Result<Self> {
         let steps: Vec<_> = steps.iter().map(|step| PreparationStep::parse(step)).collect::<Result<_>>()?;
-        prepare::apply_all(self.clone(), &steps)
+        prepare::apply_all(self.clone(), &steps, task)
     }
 
     /// Writes the field to `path`, whole or not at all, in the format of its extension: .gsf, .gwy, .npy, .tif, .txt or .x3p.
@@ -87,9 +88,9 @@ impl HeightField {
     /// Measures the field.
     ///
     /// # Errors
-    /// Fails if there is too little memory for the spectrum.
-    pub fn measure(&self) -> Result<SurfaceMeasures> {
-        let Statistics { heights, slopes, periods, noise, .. } = Statistics::of(self)?;
+    /// Fails if there is too little memory for the spectrum, or if the task is cancelled.
+    pub fn measure(&self, task: &Task) -> Result<SurfaceMeasures> {
+        let Statistics { heights, slopes, periods, noise, .. } = Statistics::of(self, task)?;
         Ok(SurfaceMeasures {
             mean: heights.mean,
             rms: heights.sq,
@@ -186,12 +187,12 @@ mod tests {
         let settings =
             Spec::new(SurfaceKind::Sinusoid).with_patch([8.0, 8.0]).with_period(2.0).with_height(0.3);
         let made = HeightField::generate(&settings).unwrap();
-        let measures = made.measure().unwrap();
+        let measures = made.measure(&Task::silent()).unwrap();
         assert!((measures.rms - 0.15 / 2f64.sqrt()).abs() < 1e-4, "{measures:?}");
         assert!((measures.periods[0] - 2.0).abs() < 1e-2, "{measures:?}");
-        let mould = made.prepare(&["invert", "level mean"]).unwrap();
+        let mould = made.prepare(&["invert", "level mean"], &Task::silent()).unwrap();
         assert!(mould.heights().iter().zip(made.heights()).all(|(a, b)| (a + b).abs() < 1e-12));
-        assert!(made.prepare(&["inverse"]).is_err());
+        assert!(made.prepare(&["inverse"], &Task::silent()).is_err());
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.npy");
         made.save(&path).unwrap();

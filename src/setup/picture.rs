@@ -238,7 +238,7 @@ pub fn picture(
 ) -> Result<Picture> {
     let view = own_view(scene, &settings.source.optics);
     let field = Arc::new(field.clone());
-    let surfaces = ObjectSurface::of(scene, &field, &settings.source, &mut |s| s.load().map(Arc::new))?;
+    let surfaces = ObjectSurface::of(scene, &field, &settings.source, &mut |s| s.load(task).map(Arc::new))?;
     let device = context.device()?;
     let mut in_use = InUse::new(context);
     let make = |surface: &ObjectSurface| match &surface.field {

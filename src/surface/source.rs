@@ -5,6 +5,7 @@ use super::files::{self, ReadSettings, Topography};
 use super::prepare::{self, Levelling, PreparationStep};
 use super::synth::{self, Spec, SurfaceKind};
 use crate::error::{Error, Result};
+use crate::task::Task;
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
@@ -65,9 +66,9 @@ impl SurfaceSource {
     /// Reads or makes the height field, and prepares it.
     ///
     /// # Errors
-    /// A name that is neither, a file that is no scan, a file without units, a step that cannot be done.
-    pub fn load(&self) -> Result<HeightField> {
-        self.prepare(self.read()?.into_field()?)
+    /// A name that is neither, a file that is no scan, a file without units, a step that cannot be done, a task that is cancelled.
+    pub fn load(&self, task: &Task) -> Result<HeightField> {
+        self.prepare(self.read()?.into_field()?, task)
     }
 
     /// Reads the file or makes the built-in surface; applies no step.
@@ -95,9 +96,9 @@ impl SurfaceSource {
     /// Returns `field` after the steps of [`SurfaceSource::prepare`].
     ///
     /// # Errors
-    /// A step that cannot be done.
-    pub fn prepare(&self, field: HeightField) -> Result<HeightField> {
-        prepare::apply_all(field, &self.prepare)
+    /// A step that cannot be done, a task that is cancelled.
+    pub fn prepare(&self, field: HeightField, task: &Task) -> Result<HeightField> {
+        prepare::apply_all(field, &self.prepare, task)
     }
 }
 
@@ -138,7 +139,7 @@ mod tests {
             prepare: vec![PreparationStep::Level(Levelling::Mean), PreparationStep::Invert],
             ..plain.clone()
         };
-        let [plain, moulded] = [plain, moulded].map(|source| source.load().unwrap());
+        let [plain, moulded] = [plain, moulded].map(|source| source.load(&Task::silent()).unwrap());
         let expected = plain.levelled(Levelling::Mean).unwrap();
         assert!(expected.heights().iter().zip(moulded.heights()).all(|(a, b)| *a == -*b));
     }

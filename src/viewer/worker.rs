@@ -271,7 +271,7 @@ impl Preparer {
         task: &Task,
         reply: &Reply,
     ) -> Result<(Arc<Prepared>, Option<Error>)> {
-        let field = self.field(&request.surface)?;
+        let field = self.field(&request.surface, task)?;
         if matches!(request.role, Role::Own | Role::Preview) {
             reply(WorkerReply::Field(field.clone()));
         }
@@ -324,7 +324,7 @@ impl Preparer {
         {
             Some((_, field)) => Ok(field.clone()),
             None => {
-                let field = Arc::new(surface.load()?);
+                let field = Arc::new(surface.load(task)?);
                 known.push((surface.clone(), field.clone()));
                 Ok(field)
             }
@@ -366,11 +366,11 @@ impl Preparer {
         Ok(made.source)
     }
 
-    fn field(&mut self, surface: &SurfaceSource) -> Result<Arc<HeightField>> {
+    fn field(&mut self, surface: &SurfaceSource, task: &Task) -> Result<Arc<HeightField>> {
         if let Some((_, field)) = self.field.as_ref().filter(|(known, _)| known == surface) {
             return Ok(field.clone());
         }
-        let field = Arc::new(surface.load()?);
+        let field = Arc::new(surface.load(task)?);
         self.field = Some((surface.clone(), field.clone()));
         Ok(field)
     }

@@ -12,6 +12,7 @@ use crate::output::{write_atomically, write_failed};
 use crate::settings::Optics;
 use crate::surface::statistics::plot_grid::PlotGrid;
 use crate::surface::{HeightField, Statistics, SurfaceSource};
+use crate::task::Task;
 use std::io::Write;
 use std::path::Path;
 
@@ -46,10 +47,11 @@ pub fn write(
     subject: &PageSubject<'_>,
     material: &ExportedMaterial,
     description: &MaterialDescription,
+    task: &Task,
 ) -> Result<()> {
     let grid = PlotGrid::of_heights(subject.field, MOST_PIXELS);
     let range = grid.core();
-    let words = words(subject, description, range)?;
+    let words = words(subject, description, range, task)?;
     let scale = ColorScale { axis: Axis::linear("", range[0], range[1]), map: ColorMap::Viridis };
     let relief = Raster::values(grid.size[0], &grid.values, scale);
     let text =
@@ -58,9 +60,14 @@ pub fn write(
 }
 
 /// Returns all texts of the page, where the colours of the heights have this `range` \[nm\].
-fn words(subject: &PageSubject<'_>, description: &MaterialDescription, range: [f64; 2]) -> Result<PageWords> {
+fn words(
+    subject: &PageSubject<'_>,
+    description: &MaterialDescription,
+    range: [f64; 2],
+    task: &Task,
+) -> Result<PageWords> {
     let PageSubject { source, field, optics, illuminant, mesh } = subject;
-    let statistics = Statistics::of(field)?;
+    let statistics = Statistics::of(field, task)?;
     let theory =
         ScalarTheory::of_field(field, &optics.reflectance, LightColour::Spectrum(&optics.illuminant))?;
     let lines = describe::lines(field, &statistics, &theory)?;

@@ -3,6 +3,7 @@
 use super::preparation::PreparationOptions;
 use super::seed;
 use crate::cli::console::Console;
+use crate::cli::progress::surface_task;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
 use crate::surface::files::Topography;
@@ -68,7 +69,7 @@ impl SurfaceOptions {
         console: &Console,
     ) -> Result<HeightField> {
         let source = self.source(positional, scene, fallback)?;
-        source.prepare(self.read(&source, console)?.into_field()?)
+        source.prepare(self.read(&source, console)?.into_field()?, &surface_task(console))
     }
 
     /// Reads the heights of `source` without preparation; prints the warnings about them.

@@ -6,6 +6,7 @@ use crate::cli::console::Console;
 use crate::cli::options::{
     CacheOptions, ColourOptions, DeviceOptions, FigureOptions, OpticsOptions, SurfaceOptions,
 };
+use crate::cli::progress::surface_task;
 use crate::cli::{captions, write};
 use crate::error::{Error, Result, cause};
 use crate::figure::{Axis, AxisScale, Figure, FigureFormat, Mark, Panel, palette};
@@ -200,7 +201,7 @@ impl ComparedSurface {
             name: name.to_string_lossy().into_owned(),
             samples: [field.columns(), field.rows()],
             pixel_size: field.pixel_size(),
-            statistics: Statistics::of(field)?,
+            statistics: Statistics::of(field, &surface_task(console))?,
             readings,
             prepared: field.prepared().clone(),
             spectrum: radial(field)?,

@@ -4,6 +4,7 @@ use super::super::options::SurfaceOptions;
 use super::report;
 use crate::cli::captions;
 use crate::cli::console::Console;
+use crate::cli::progress::surface_task;
 use crate::error::Result;
 use crate::files::Files;
 use crate::surface::files::Topography;
@@ -39,7 +40,7 @@ pub fn run(arguments: &Convert, console: &Console) -> Result<()> {
     let source = arguments.surface.source(name, None, "elaphe")?;
     let mut scan = arguments.surface.read(&source, console)?;
     if !source.prepare.is_empty() {
-        scan = Topography::of(source.prepare(scan.into_field()?)?);
+        scan = Topography::of(source.prepare(scan.into_field()?, &surface_task(console))?);
     }
     save(path, format, &scan, console)
 }

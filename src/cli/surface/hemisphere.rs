@@ -230,7 +230,8 @@ mod tests {
             small(SurfaceKind::Flat),
         ];
         for field in fields {
-            let (panels, words) = panels(&field, &Statistics::of(&field).unwrap(), console).unwrap();
+            let (panels, words) =
+                panels(&field, &Statistics::of(&field, &Task::silent()).unwrap(), console).unwrap();
             assert!(panels.len() == 2 && words.contains("D65"), "{words}");
         }
     }

@@ -295,21 +295,23 @@ mod tests {
     use crate::notes::Notes;
     use crate::optics::validity::LightColour;
     use crate::surface::synth::SurfaceKind;
+    use crate::task::Task;
 
     #[test]
     fn the_page_of_every_built_in_surface_has_all_panels_and_no_number_that_is_none() {
         let console = &Console::silent();
         for kind in SurfaceKind::ALL {
             let source = SurfaceSource::built_in(kind);
-            let field = source.load().unwrap();
+            let field = source.load(&Task::silent()).unwrap();
             let theory = {
                 let green = LightColour::Wavelength(0.55);
                 ScalarTheory::of_field(&field, &Default::default(), green).unwrap()
             };
-            let svg = figure(&source, &field, &Statistics::of(&field).unwrap(), &theory, console)
-                .unwrap()
-                .svg(&FigureStyle::default(), &Notes::default())
-                .unwrap();
+            let svg =
+                figure(&source, &field, &Statistics::of(&field, &Task::silent()).unwrap(), &theory, console)
+                    .unwrap()
+                    .svg(&FigureStyle::default(), &Notes::default())
+                    .unwrap();
             for word in [
                 "Heights",
                 "Power spectrum",

@@ -9,6 +9,7 @@ use crate::surface::prepare::{PreparationStep, apply_all, describe};
 use crate::surface::synth::{Spec, SurfaceKind, generate};
 use crate::surface::tiling::Verdict;
 use crate::surface::{HeightField, Statistics};
+use crate::task::Task;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -32,7 +33,7 @@ fn surface() -> HeightField {
         ..Spec::new(SurfaceKind::Elaphe)
     };
     let steps = ["rotate 7deg", "crop 20um"].map(|text| PreparationStep::parse(text).unwrap());
-    apply_all(generate(&spec).unwrap(), &steps).unwrap()
+    apply_all(generate(&spec).unwrap(), &steps, &Task::silent()).unwrap()
 }
 
 /// Returns a simulated bad scan of the surface: tilt and bow, an offset of each row, streaks, spikes, noise.
@@ -91,7 +92,7 @@ fn table(stages: &[HeightField], clean: &[HeightField]) -> String {
                      | --- | --- | --- | --- | --- | --- | --- | --- |\n"
             .to_owned();
     for (i, (field, clean)) in stages.iter().zip(clean).enumerate() {
-        let s = Statistics::of(field).unwrap();
+        let s = Statistics::of(field, &Task::silent()).unwrap();
         let [low, high] = s.heights.range;
         let period = s
             .periods
@@ -156,7 +157,7 @@ fn each_step_of_the_worked_example_brings_the_surface_nearer() {
         assert!(pair[1] < pair[0], "{}: {distances:.1?} nm", name(i + 1));
     }
     assert!(distances[0] > 100.0 && distances[4] < 12.0, "{distances:.1?} nm");
-    let last = Statistics::of(stages.last().unwrap()).unwrap();
+    let last = Statistics::of(stages.last().unwrap(), &Task::silent()).unwrap();
     assert_eq!(last.tiling.verdict, Verdict::Tiles, "{:?}", last.tiling);
     assert!(last.periods[0].direction.abs() < 1.0, "{:?}", last.periods[0]);
     let written = table(&stages, &clean);

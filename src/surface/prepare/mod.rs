@@ -29,6 +29,7 @@ pub use words::WORDS;
 use super::HeightField;
 use crate::error::Result;
 use crate::memory;
+use crate::task::{PREPARATION, Task};
 
 /// One operation on a height field. Lengths are micrometres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,9 +95,12 @@ impl PreparationStep {
 /// Applies all `steps` to `field` in their order.
 ///
 /// # Errors
-/// See [`PreparationStep::apply`]; the message names the step.
-pub fn apply_all(field: HeightField, steps: &[PreparationStep]) -> Result<HeightField> {
-    steps.iter().try_fold(field, |field, step| step.apply(&field))
+/// See [`PreparationStep::apply`]; the message names the step. Also fails if the task is cancelled.
+pub fn apply_all(field: HeightField, steps: &[PreparationStep], task: &Task) -> Result<HeightField> {
+    steps.iter().enumerate().try_fold(field, |field, (done, step)| {
+        task.report(PREPARATION, done, steps.len())?;
+        step.apply(&field)
+    })
 }
 
 /// Returns the steps in words, in the form of scene files: `level plane, crop 40um`; `none` for no step.
@@ -130,7 +134,7 @@ mod tests {
         let parse =
             |all: &[&str]| all.iter().map(|text| PreparationStep::parse(text).unwrap()).collect::<Vec<_>>();
         let [first, second] = [["level mean", "crop 1um"], ["crop 1um", "level mean"]]
-            .map(|steps| apply_all(slope.clone(), &parse(&steps)).unwrap());
+            .map(|steps| apply_all(slope.clone(), &parse(&steps), &Task::silent()).unwrap());
         let mean = |f: &HeightField| f.heights().iter().sum::<f64>() / f.heights().len() as f64;
         assert!(
             mean(&second).abs() < 1e-12 && mean(&first) < -0.5,

@@ -32,6 +32,7 @@ use super::HeightField;
 use super::si::{metres, metres_of_both, metres_of_some, per_metre_of_both};
 use super::tiling::Tiling;
 use crate::error::Result;
+use crate::task::{STATISTICS, Task};
 use height_spectrum::SurfaceSpectrum;
 use serde::Serialize;
 
@@ -70,22 +71,36 @@ impl Statistics {
     /// Measures `field`.
     ///
     /// # Errors
-    /// Too little memory for the spectrum.
-    pub fn of(field: &HeightField) -> Result<Self> {
+    /// Too little memory for the spectrum; a task that is cancelled.
+    pub fn of(field: &HeightField, task: &Task) -> Result<Self> {
+        const PARTS: usize = 6;
+        let are_done = |parts| task.report(STATISTICS, parts, PARTS);
+        are_done(0)?;
         let [dx, dy] = field.pixel_size();
         let part = height_spectrum::analysed_part(field);
         let power = SurfaceSpectrum::windowed(&part)?;
+        are_done(1)?;
+        let (heights, slopes) = (HeightParameters::of(field), Slopes::of(field));
+        are_done(2)?;
+        let texture = Texture::of(&part, &power)?;
+        are_done(3)?;
+        let periods = dominant_periods(&part, &power)?;
+        are_done(4)?;
+        let line_periods = line_periods(field);
+        are_done(5)?;
+        let tiling = joining(field)?;
+        are_done(PARTS)?;
         Ok(Self {
             patch: field.patch_size(),
             largest_frequency: [0.5 / dx, 0.5 / dy],
-            heights: HeightParameters::of(field),
-            slopes: Slopes::of(field),
-            texture: Texture::of(&part, &power)?,
-            periods: dominant_periods(&part, &power)?,
-            line_periods: line_periods(field),
+            heights,
+            slopes,
+            texture,
+            periods,
+            line_periods,
             noise: power.noise(),
             undersampled_share: power.undersampled_share(),
-            tiling: joining(field)?,
+            tiling,
         })
     }
 }
@@ -93,7 +108,9 @@ impl Statistics {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::surface::prepare::{PreparationStep, apply_all};
     use std::f64::consts::TAU;
+    use std::sync::atomic::Ordering;
 
     /// Returns a field of 100 nm × 50 nm samples; `x` and `y` from the left and the TOP edge.
     pub(crate) fn field(columns: usize, rows: usize, h: impl Fn(f64, f64) -> f64) -> HeightField {
@@ -104,7 +121,8 @@ pub(crate) mod tests {
 
     #[test]
     fn a_sinusoid_has_its_closed_form_numbers() {
-        let s = Statistics::of(&field(200, 40, |x, _| 3.0 + 0.2 * (TAU * x / 2.0).sin())).unwrap();
+        let s = Statistics::of(&field(200, 40, |x, _| 3.0 + 0.2 * (TAU * x / 2.0).sin()), &Task::silent())
+            .unwrap();
         assert!((s.patch[0] - 20.0).abs() < 1e-12 && (s.patch[1] - 2.0).abs() < 1e-12);
         assert!(
             (s.largest_frequency[0] - 5.0).abs() < 1e-12 && (s.largest_frequency[1] - 10.0).abs() < 1e-12
@@ -117,7 +135,7 @@ pub(crate) mod tests {
 
     #[test]
     fn serialised_lengths_are_metres_and_everything_is_a_number() {
-        let s = Statistics::of(&field(64, 64, |x, y| (TAU * x).sin() + 0.01 * y)).unwrap();
+        let s = Statistics::of(&field(64, 64, |x, y| (TAU * x).sin() + 0.01 * y), &Task::silent()).unwrap();
         let json = serde_json::to_value(&s).unwrap();
         let number = |path: &str| json.pointer(path).and_then(serde_json::Value::as_f64).unwrap();
         assert!((number("/patch_m/0") - 6.4e-6).abs() < 1e-18);
@@ -129,11 +147,29 @@ pub(crate) mod tests {
     #[test]
     fn the_smallest_fields_have_statistics_too() {
         for (columns, rows) in [(1, 1), (1, 40), (40, 1), (2, 2), (3, 5)] {
-            let json =
-                serde_json::to_string(&Statistics::of(&field(columns, rows, |x, y| x * y + x)).unwrap());
+            let json = serde_json::to_string(
+                &Statistics::of(&field(columns, rows, |x, y| x * y + x), &Task::silent()).unwrap(),
+            );
             assert!(json.unwrap().contains("\"sq_m\":"), "{columns} x {rows}");
         }
-        let flat = Statistics::of(&field(64, 64, |_, _| 0.3)).unwrap();
+        let flat = Statistics::of(&field(64, 64, |_, _| 0.3), &Task::silent()).unwrap();
         assert!(flat.periods.is_empty() && flat.noise < 1e-12 && flat.heights.sq < 1e-12, "{flat:?}");
+    }
+
+    #[test]
+    fn work_on_a_surface_is_cancelled_at_each_of_its_reports() {
+        let waves = field(64, 64, |x, y| (TAU * x).sin() + 0.01 * y);
+        let steps = ["level plane", "invert"].map(|step| PreparationStep::parse(step).unwrap());
+        let all = |task: &Task| {
+            let prepared = apply_all(waves.clone(), &steps, task)?;
+            Statistics::of(&prepared, task).map(drop)
+        };
+        let reports = 2 + 7;
+        for last in 1..=reports {
+            let (task, reported) = Task::cancelled_at(last);
+            assert!(all(&task).unwrap_err().is_cancelled(), "{last}");
+            assert_eq!(reported.load(Ordering::Relaxed), last);
+        }
+        assert!(all(&Task::cancelled_at(reports + 1).0).is_ok());
     }
 }

@@ -108,10 +108,11 @@ fn seams(statistics: &Statistics) -> Option<String> {
 mod tests {
     use super::*;
     use crate::surface::statistics::tests::field;
+    use crate::task::Task;
     use std::f64::consts::TAU;
 
     fn notes_of(field: &HeightField) -> String {
-        notes(field, &Statistics::of(field).unwrap()).unwrap().join("\n")
+        notes(field, &Statistics::of(field, &Task::silent()).unwrap()).unwrap().join("\n")
     }
 
     #[test]
