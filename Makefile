@@ -26,7 +26,7 @@ test:
 	@tools/test.sh $(ARGS)
 
 test-python:
-	@tools/setup.sh test
+	@tools/setup.sh test python
 	@tools/python.sh test $(ARGS)
 
 build:
@@ -34,7 +34,7 @@ build:
 	cargo build --release --locked
 
 wheel:
-	@tools/setup.sh build
+	@tools/setup.sh build python
 	@tools/python.sh wheel
 
 setup:

@@ -10,6 +10,7 @@
 #   ```sh,fetch    the same; its first command, a download, may fail: then the block is left out, and its picture stays as it is
 #   ```text        the output of the commands of the block before; a line that is … stands for any lines
 #   ```console     commands that are shown alone: they need a window or other files
+#   ```python      of docs/PYTHON.md: run as one program where the module `diffract` is installed, but not by --quick
 #
 # A picture `images/NAME` of a page is the file NAME that its commands draw, copied to docs/images and made small.
 # --quick copies nothing, compares docs/COMMANDS.md with the help of the program, and is what a test runs.
@@ -117,6 +118,22 @@ fetch() {
     return 1
 }
 
+# run_python PAGE FOLDER: runs the blocks of Python of a page as one program. Where the module is not installed, says so and keeps the pictures that they draw.
+run_python() {
+    awk '/^```python$/ { inside = 1; next } /^```/ { inside = 0 } inside' "$1" >"$2/page.py"
+    if ! python3 -c 'import diffract, matplotlib, joblib, dask.distributed, SurfaceTopography' 2>/dev/null; then
+        echo "book: $1: Python is left out, the wheel or a package is missing: pip install target/wheels/*.whl" >&2
+        grep -o '[A-Za-z0-9_-]*\.png' "$2/page.py" >>"$scratch/drawn"
+        return
+    fi
+    # From stdin, so that processes that it starts do not run it again.
+    if ! (cd "$2/work" && MPLBACKEND=agg python3 - <../page.py) >"$2/printed" 2>"$2/told"; then
+        cat "$2/told" >&2
+        echo "book: $1: its blocks of Python fail" >&2
+        exit 1
+    fi
+}
+
 # run_page PAGE: runs the blocks of a page in order, and compares what they print.
 run_page() {
     page=$1
@@ -155,6 +172,7 @@ run_page() {
             ;;
         esac
     done
+    case $page,$quick in docs/PYTHON.md,no) run_python "$page" "$place" ;; esac
     [ "$quick" = yes ] || pictures "$page" "$place/work"
     rm -rf "$place"
     echo "$page: $(($(date +%s) - begin)) s"

@@ -46,6 +46,7 @@ build() {
 
 wheel() {
     environment wheel
+    python3 tools/licences.py x86_64-unknown-linux-gnu python/Cargo.toml >python/LICENCES-OF-CRATES.txt
     # shellcheck disable=SC2086 # words of the user
     "$venv/bin/maturin" build --release --locked --manifest-path python/Cargo.toml --target-dir "$target" \
         --out "$target/wheels" ${MATURIN_ARGUMENTS:-}

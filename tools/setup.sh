@@ -6,12 +6,13 @@ export LC_ALL
 
 usage() {
     cat <<'END'
-usage: tools/setup.sh [build] [run] [test]
+usage: tools/setup.sh [build] [run] [test] [python]
        tools/setup.sh lavapipe
 
   build     what compiling needs: Rust, a C++ compiler, the shaderc library
   run       and what the program needs: the Vulkan loader, a driver, the libraries of a window where there is a display
   test      and what the tests need: Mesa's lavapipe, the Khronos validation layer, Xvfb, sway, wtype, Chromium and the libraries of a window
+  python    and what the Python module needs: Python 3.10 or newer, with virtual environments
   lavapipe  install nothing, print the path of lavapipe's driver manifest
 
 What is missing is installed with apt-get where that takes no password; elsewhere the packages are named.
@@ -251,6 +252,10 @@ collect() {
         fi
     fi
 
+    if [ "$purpose_python" = yes ]; then
+        "${PYTHON:-python3}" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))' 2>/dev/null \
+            || need 'Python 3.10 or newer with venv' python3-venv python3 python
+    fi
     if [ "$purpose_run" = yes ]; then
         has_library libvulkan.so.1 || need 'the Vulkan loader' libvulkan1 vulkan-loader vulkan-icd-loader
         has_driver || need 'a Vulkan driver' mesa-vulkan-drivers mesa-vulkan-drivers vulkan-swrast
@@ -333,7 +338,7 @@ report() {
 
 # ---------------------------------------------------------------------------------------------------- main
 
-purpose_run=no purpose_window=no purpose_test=no
+purpose_run=no purpose_window=no purpose_test=no purpose_python=no
 [ $# -gt 0 ] || { usage >&2; exit 2; }
 for purpose; do
     case $purpose in
@@ -346,6 +351,7 @@ for purpose; do
             purpose_run=yes
             purpose_test=yes
             ;;
+        python) purpose_python=yes ;;
         lavapipe)
             lavapipe && exit 0
             say "no manifest of lavapipe (vulkan/icd.d/lvp_icd*.json); 'tools/setup.sh test' installs it"
@@ -356,7 +362,7 @@ for purpose; do
             exit 0
             ;;
         *)
-            say "'$purpose' is none of build, run, test, lavapipe"
+            say "'$purpose' is none of build, run, test, python, lavapipe"
             usage >&2
             exit 2
             ;;
