@@ -588,4 +588,23 @@ fn the_version_and_the_crates_of_the_python_module_are_those_of_the_program() {
         let others: Vec<_> = versions.difference(&program[name]).collect();
         assert!(others.is_empty(), "python/Cargo.lock has {name} {others:?}: cargo update --precise");
     }
+    // Crates that are built by the same settings are built once.
+    let [program, module] = ["Cargo.toml", "python/Cargo.toml"].map(|name| profiles(&read(name)));
+    assert!(program.len() > 10);
+    let missing: Vec<_> = program.difference(&module).collect();
+    assert!(missing.is_empty(), "python/Cargo.toml has not {missing:?}");
+}
+
+/// Settings of the profiles in the text of a manifest, each behind the head of its table.
+fn profiles(manifest: &str) -> BTreeSet<String> {
+    let mut head = "";
+    let mut found = BTreeSet::new();
+    for line in manifest.lines().map(|line| line.split('#').next().unwrap_or_default().trim()) {
+        if line.starts_with('[') {
+            head = line;
+        } else if head.starts_with("[profile.") && !line.is_empty() {
+            found.insert(format!("{head} {line}"));
+        }
+    }
+    found
 }

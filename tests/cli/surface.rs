@@ -370,8 +370,8 @@ fn a_grating_is_made_of_ridges_or_of_a_formula() {
     let sandbox = Sandbox::new();
     let synth = |words: &[&str]| sandbox.run2(&["surface", "synth"], words);
     synth(&["lamellar", "--duty", "0.5", "--period", "2um", "-o", "a.npy"]).done();
-    synth(&["--profile", "0.2 if abs(x - 0.5) < 0.25 else 0", "--period", "2um", "-o", "b.npy"]).done();
-    assert_eq!(sandbox.read("a.npy"), sandbox.read("b.npy"));
+    synth(&["--profile", "0.2 if x < 0.5 else 0", "--period", "2um", "-o", "b.npy"]).done();
+    assert!(sandbox.read("a.npy") == sandbox.read("b.npy"), "both are the same samples");
     for (words, part) in [
         (&["blaze", "--profile", "x", "-o", "c.npy"][..], "--profile"),
         (&["--profile", "y", "-o", "c.npy"], "not of x alone"),
