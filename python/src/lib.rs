@@ -46,4 +46,11 @@ mod _diffract {
     use crate::units::{metres_of, micrometres_of};
     #[pymodule_export]
     use crate::work::end_all;
+
+    /// Notes which process imports the module.
+    #[pymodule_init]
+    fn note_process(_: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::context::is_fork();
+        Ok(())
+    }
 }
