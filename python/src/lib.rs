@@ -49,8 +49,7 @@ mod _diffract {
 
     /// Notes which process imports the module.
     #[pymodule_init]
-    fn note_process(_: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+    fn note_process() {
         crate::context::is_fork();
-        Ok(())
     }
 }
