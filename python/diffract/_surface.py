@@ -186,7 +186,7 @@ class HeightField:
     def prepare(self, *steps: str, context: Context | None = None) -> HeightField:
         """Returns the field after these steps, in the words of the command line and in their order.
 
-        Steps are ``level mean``, ``level plane``, ``level bow``, ``level rows``, ``level
+        Steps are ``level mean``, ``level plane``, ``level polynomial:2``, ``level rows``, ``level
         rows-median``, ``despike``, ``destripe``, ``crop 40um``, ``crop 10umx20um``, ``resample
         95nm``, ``rotate 30deg``, ``taper 5um``, ``tile blend``, ``invert`` and others.
 

@@ -1,7 +1,7 @@
 //! The BRDF of a surface.
 
 use crate::arrays::{Argument, Pairs, by_wavelength, common_shape, one_direction, shaped};
-use crate::context::CoreContext;
+use crate::context::{CoreContext, is_fork};
 use crate::errors::{argument, raised};
 use crate::field::CoreField;
 use crate::optics::CoreOptics;
@@ -155,7 +155,7 @@ impl CoreBrdf {
             let ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
             prepared.iter().all(|kind| ready.contains(kind))
         };
-        if self.is_quick && count <= FEW && is_ready() {
+        if self.is_quick && count <= FEW && is_ready() && !is_fork() {
             return answer(&Task::silent()).map_err(raised);
         }
         let answered = work::run(py, context, progress, move |_, task| answer(task))?;

@@ -5,7 +5,15 @@ use diffract::Context;
 use pyo3::prelude::*;
 use std::num::NonZero;
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+/// Number of the process that imported the module.
+static IMPORTER: LazyLock<u32> = LazyLock::new(std::process::id);
+
+/// Returns true in a process that was forked off the one that imported the module: it has none of its threads. The import asks first.
+pub fn is_fork() -> bool {
+    *IMPORTER != std::process::id()
+}
 
 /// Settings of a context, and the context of this process.
 #[pyclass(frozen, module = "diffract._diffract")]

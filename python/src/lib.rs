@@ -46,4 +46,10 @@ mod _diffract {
     use crate::units::{metres_of, micrometres_of};
     #[pymodule_export]
     use crate::work::end_all;
+
+    /// Notes which process imports the module.
+    #[pymodule_init]
+    fn note_process() {
+        crate::context::is_fork();
+    }
 }

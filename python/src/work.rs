@@ -26,16 +26,24 @@ const STACK_LEVEL: i32 = 2;
 
 /// Work that runs now, and whether more may begin.
 struct Running {
+    /// Number of the process: work of the parent does not run in a child.
+    process: u32,
     tasks: Vec<(u64, Task)>,
     next: u64,
     is_over: bool,
 }
 
-static RUNNING: Mutex<Running> = Mutex::new(Running { tasks: Vec::new(), next: 0, is_over: false });
+static RUNNING: Mutex<Running> =
+    Mutex::new(Running { process: 0, tasks: Vec::new(), next: 0, is_over: false });
 static ENDED: Condvar = Condvar::new();
 
 fn running() -> MutexGuard<'static, Running> {
-    RUNNING.lock().unwrap_or_else(PoisonError::into_inner) // whole at any time
+    let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner); // whole at any time
+    if running.process != std::process::id() {
+        running.process = std::process::id();
+        running.tasks.clear();
+    }
+    running
 }
 
 /// Place of a task among those that run; gone with this value.

@@ -131,11 +131,11 @@ def test_errors_of_files_and_steps_are_those_of_python():
         HeightField(bowl(), 1e-7).save("heights.jpg")
     with pytest.raises(OSError, match="nowhere"):
         HeightField(bowl(), 1e-7).save("nowhere/heights.gsf")
-    with pytest.raises(ValueError, match="level flat"):
+    with pytest.raises(ValueError, match="flat"):
         HeightField(bowl(), 1e-7).prepare("level flat")
     with pytest.raises(ValueError, match="kind"):
         HeightField.generate("python")
-    with pytest.raises(ValueError, match="no pixels|more than"):
+    with pytest.raises(ValueError, match="period|positive"):
         HeightField.generate("sinusoid", period=-1e-6)
 
 

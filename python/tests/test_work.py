@@ -159,6 +159,20 @@ def answer_in_child(field, queue):
     queue.put(field.brdf()(direction(30, 0), direction(13, 180), 550e-9))
 
 
+def answer_by_what_the_parent_made(brdf, queue):
+    queue.put(brdf(direction(30, 0), direction(13, 180), 550e-9))
+
+
+def test_a_fork_answers_by_what_its_parent_made(brdf):
+    start = multiprocessing.get_context("fork")
+    queue = start.Queue()
+    process = start.Process(target=answer_by_what_the_parent_made, args=(brdf, queue))
+    process.start()
+    value = queue.get(timeout=120)
+    process.join(timeout=60)
+    assert value == brdf(direction(30, 0), direction(13, 180), 550e-9) and process.exitcode == 0
+
+
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_processes_answer_alike(blaze, brdf, method):
     start = multiprocessing.get_context(method)
