@@ -8,7 +8,7 @@ use crate::field::CoreField;
 use crate::optics::CoreOptics;
 use crate::units::{metres, micrometres};
 use crate::work;
-use diffract::{GratingOrder, MeasuredPeriod, PeakSettings, SpectralPeak};
+use diffract::{GratingOrder, MeasuredPeriod, PeakSettings, AngularPeak};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -108,9 +108,9 @@ fn order_columns<'py>(py: Python<'py>, rows: &[(f64, GratingOrder)]) -> PyResult
 }
 
 /// Returns the columns of `peaks`.
-fn peak_columns<'py>(py: Python<'py>, peaks: &[SpectralPeak]) -> PyResult<Bound<'py, PyDict>> {
+fn peak_columns<'py>(py: Python<'py>, peaks: &[AngularPeak]) -> PyResult<Bound<'py, PyDict>> {
     let columns = PyDict::new(py);
-    let add = |name: &str, value: &dyn Fn(&SpectralPeak) -> f64| {
+    let add = |name: &str, value: &dyn Fn(&AngularPeak) -> f64| {
         columns.set_item(name, column(py, peaks.iter().map(value).collect())?)
     };
     add("wavelength", &|peak| metres(peak.wavelength))?;
