@@ -77,7 +77,7 @@ pub use internals::context::Context;
 pub use internals::error::{Error, ErrorKind, Result};
 #[doc(inline)]
 pub use internals::front::{
-    GratingOrder, MeasuredPeriod, PeakSettings, SpectralPeak, SurfaceBrdf, SurfaceColours, SurfaceMeasures,
+    AngularPeak, GratingOrder, MeasuredPeriod, PeakSettings, SurfaceBrdf, SurfaceColours, SurfaceMeasures,
     SurfacePeaks, check_export, direction, display_srgb, linear_srgb,
 };
 #[doc(inline)]

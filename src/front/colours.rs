@@ -239,9 +239,9 @@ mod tests {
         let pairs: Vec<_> =
             (0..60).map(|i| [direction(30.0, 0.0), direction(10.0 + 0.3 * f64::from(i), 180.0)]).collect();
         let spread = |deviation: f64| {
-            let values = colours.xyz(&pairs, deviation).into_iter().map(|[_, y, _]| y);
-            let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), y| (l.min(y), h.max(y)));
-            high / low
+            let values: Vec<f64> = colours.xyz(&pairs, deviation).into_iter().map(|[_, y, _]| y).collect();
+            let (low, high) = values.iter().fold((f64::INFINITY, 0.0f64), |(l, h), y| (l.min(*y), h.max(*y)));
+            (high - low) * values.len() as f64 / values.iter().sum::<f64>()
         };
         assert!(spread(0.3) < 0.5 * spread(0.02), "{} {}", spread(0.3), spread(0.02));
         let asked: Vec<_> = pairs.iter().map(|pair| (*pair, [0.3 * 0.3, 0.0, 0.3 * 0.3])).collect();

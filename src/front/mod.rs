@@ -19,7 +19,7 @@ mod windows;
 
 pub use brdf::{GratingOrder, SurfaceBrdf};
 pub use colours::{SurfaceColours, check_export};
-pub use peaks::{MeasuredPeriod, PeakSettings, SpectralPeak, SurfacePeaks};
+pub use peaks::{AngularPeak, MeasuredPeriod, PeakSettings, SurfacePeaks};
 #[cfg(feature = "vulkan")]
 pub use picture::{PictureDifference, draw};
 pub use surface::SurfaceMeasures;

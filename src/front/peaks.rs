@@ -33,7 +33,7 @@ pub struct PeakSettings {
 /// Largest response of a wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct SpectralPeak {
+pub struct AngularPeak {
     /// Wavelength \[µm\].
     pub wavelength: f64,
     /// View angle \[degrees\]; `None` if nothing is reflected.
@@ -69,7 +69,7 @@ pub struct MeasuredPeriod {
 #[non_exhaustive]
 pub struct SurfacePeaks {
     /// Peak of each wavelength.
-    pub peaks: Vec<SpectralPeak>,
+    pub peaks: Vec<AngularPeak>,
     /// Period over all wavelengths, or of the strongest branch if there are several.
     pub period: MeasuredPeriod,
     /// Periods of the branches between which the largest response changes, the strongest first; empty if it does not change.
@@ -216,7 +216,7 @@ fn windows_alone(
 
 impl From<&OrderPeaks> for SurfacePeaks {
     fn from(found: &OrderPeaks) -> Self {
-        let peak = |(place, peak): (usize, &crate::measure::peaks::Peak)| SpectralPeak {
+        let peak = |(place, peak): (usize, &crate::measure::peaks::Peak)| AngularPeak {
             wavelength: peak.wavelength,
             angle: peak.angle,
             period: peak.period,
