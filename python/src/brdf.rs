@@ -60,10 +60,9 @@ impl CoreBrdf {
         context: &CoreContext,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let (field, shortest) = (field.field.clone(), micrometres(shortest));
-        let optics = optics.of(&field);
+        let (field, optics, shortest) = (field.field.clone(), optics.clone(), micrometres(shortest));
         let brdf = work::run(py, context, progress, move |_, task| {
-            SurfaceBrdf::with_shortest(&field, &optics, shortest, task)
+            SurfaceBrdf::with_shortest(&field, &optics.of(&field), shortest, task)
         })?;
         Ok(Self { brdf, is_quick, ready: Arc::default() })
     }

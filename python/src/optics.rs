@@ -6,7 +6,8 @@ use crate::units::micrometres;
 use diffract::{Beyond, HeightField, Optics, Polarisation, Theory};
 use pyo3::prelude::*;
 
-/// Settings of the optics, some of which follow from the surface.
+/// Settings of the optics, some of which follow from the surface. That takes a while: ask on the thread of the work.
+#[derive(Clone)]
 #[pyclass(frozen, module = "diffract._diffract")]
 pub struct CoreOptics {
     optics: Optics,

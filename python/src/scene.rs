@@ -171,10 +171,10 @@ pub fn render<'py>(
     if samples == 0 {
         return Err(argument("samples", "is 0", "give 1 or more"));
     }
-    let (scene, field) = (scene.scene.clone(), field.field.clone());
-    let optics = optics.of_scene(&field, &scene);
-    let settings = PictureSettings::new(size).with_samples(samples).with_optics(&optics);
+    let (scene, field, optics) = (scene.scene.clone(), field.field.clone(), optics.clone());
     let picture = work::run(py, context, progress, move |context, task| {
+        let optics = optics.of_scene(&field, &scene);
+        let settings = PictureSettings::new(size).with_samples(samples).with_optics(&optics);
         diffract::draw(&scene, &field, &settings, context, task)
     })?;
     let flat = picture.radiance.into_iter().flatten().collect();

@@ -35,9 +35,9 @@ impl CoreTable {
             let remedy = "give a standard deviation of (u, v) from 0 to 0.5";
             return Err(argument("footprint", format_args!("is {footprint}"), remedy));
         }
-        let (field, optics) = (field.field.clone(), optics.of(&field.field));
+        let (field, optics) = (field.field.clone(), optics.clone());
         let colours = work::run(py, context, progress, move |context, task| {
-            SurfaceColours::new(&field, &optics, footprint, context, task)
+            SurfaceColours::new(&field, &optics.of(&field), footprint, context, task)
         })?;
         Ok(Self { colours })
     }
