@@ -95,8 +95,8 @@ const FLOORS: [(&str, &[&str]); 33] = [
     (
         "measure",
         &[
-            "settings", "budget", "setup", "render", "table", "spectra", "optics", "surface", "error", "task",
-            "input", "memory", "output", "random", "units",
+            "settings", "budget", "setup", "render", "table", "spectra", "optics", "surface", "error",
+            "task", "input", "memory", "output", "random", "units",
         ],
     ),
     (

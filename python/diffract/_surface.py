@@ -363,7 +363,7 @@ class HeightField:
         >>> orders = field.orders(diffract.direction(30, 0), 550e-9, material="aluminium")
         >>> brightest = orders[orders["efficiency"].argmax()]
         >>> int(brightest["m"]), f"{brightest['theta']:.2f}°"
-        (-1, '16.26°')
+        (1, '46.05°')
         """
         settings = optics(
             material=material, film=film, polarisation=polarisation, theory=theory, energy=energy
@@ -425,8 +425,8 @@ class HeightField:
         >>> import diffract
         >>> field = diffract.HeightField.generate("blaze")
         >>> peaks = field.peaks(-75, np.arange(38, 57, 0.1), wavelengths=[500e-9, 600e-9])
-        >>> f"{peaks.period * 1e9:.0f} nm"
-        '2500 nm'
+        >>> f"{peaks.period * 1e6:.2f} µm"
+        '2.50 µm'
         """
         azimuth = {"x": 0.0, "y": 90.0}.get(axis, axis)
         if isinstance(azimuth, str):

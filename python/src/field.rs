@@ -97,7 +97,11 @@ impl CoreField {
         let named = SurfaceKind::ALL.into_iter().find(|known| known.name() == kind);
         let Some(named) = named else {
             let known = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
-            return Err(argument("kind", format_args!("has no value {kind:?}"), &format!("give one of {known}")));
+            return Err(argument(
+                "kind",
+                format_args!("has no value {kind:?}"),
+                &format!("give one of {known}"),
+            ));
         };
         let mut spec = Spec::new(named).with_seed(seed);
         spec.patch = patch.map(|sides| sides.map(micrometres));

@@ -27,7 +27,11 @@ impl CoreLight {
     #[staticmethod]
     fn point(theta: f64, phi: f64, intensity: f64) -> PyResult<Self> {
         if ![theta, phi, intensity].iter().all(|x| x.is_finite()) || intensity < 0.0 {
-            return Err(argument("the light", "is out of range", "give finite angles and an intensity of 0 or more"));
+            return Err(argument(
+                "the light",
+                "is out of range",
+                "give finite angles and an intensity of 0 or more",
+            ));
         }
         Ok(Self { light: Light::new(theta, phi, intensity) })
     }

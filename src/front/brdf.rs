@@ -114,9 +114,7 @@ impl SurfaceBrdf {
         let averaged = self.brdf.averaged_over(HemisphereMap::of_pixel(side));
         let (brdf, parts) = match &averaged {
             Some(brdf) => (&**brdf, PixelParts::ONE),
-            None => {
-                (&*self.brdf, PixelParts::new(self.optics.coherence, &self.field, side, shortest))
-            }
+            None => (&*self.brdf, PixelParts::new(self.optics.coherence, &self.field, side, shortest)),
         };
         let light = MapLight { lights: vec![(light.into(), 1.0)], wavelength };
         let (mut done, all) = (0, parts.directions(side));

@@ -5,23 +5,23 @@
 
 mod brdf;
 mod colours;
-#[cfg(not(feature = "vulkan"))]
-#[path = "no_windows.rs"]
-mod windows;
 mod optics;
 mod peaks;
 #[cfg(feature = "vulkan")]
 mod picture;
 mod scene;
 mod surface;
+#[cfg(not(feature = "vulkan"))]
+#[path = "no_windows.rs"]
+mod windows;
 #[cfg(feature = "vulkan")]
 mod windows;
 
 pub use brdf::{GratingOrder, SurfaceBrdf};
 pub use colours::{SurfaceColours, check_export};
+pub use peaks::{MeasuredPeriod, PeakSettings, SpectralPeak, SurfacePeaks};
 #[cfg(feature = "vulkan")]
 pub use picture::{PictureDifference, draw};
-pub use peaks::{MeasuredPeriod, PeakSettings, SpectralPeak, SurfacePeaks};
 pub use surface::SurfaceMeasures;
 
 use crate::optics::geometry::Pair;

@@ -11,12 +11,6 @@ use crate::task::Task;
 ///
 /// # Errors
 /// Always.
-pub fn responses(
-    _: &SweepPlane,
-    _: &Optics,
-    _: &HeightField,
-    _: &Context,
-    _: &Task,
-) -> Result<Vec<f64>> {
+pub fn responses(_: &SweepPlane, _: &Optics, _: &HeightField, _: &Context, _: &Task) -> Result<Vec<f64>> {
     Err(Error::device("single windows are summed on a Vulkan device", "build with the feature `vulkan`"))
 }

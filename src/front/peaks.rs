@@ -119,17 +119,31 @@ impl PeakSettings {
         if !(theta_i.abs() <= MOST_GRAZING && azimuth.is_finite()) {
             return refused("the angle of the light is out of range", "give -89.99 to 89.99 degrees");
         }
-        if angles.len() < FEWEST_ANGLES || !grows(angles) || angles.iter().any(|a| a.is_nan() || a.abs() > 90.0) {
-            return refused("the view angles do not grow", "give three or more from -90 to 90 degrees, each once");
+        if angles.len() < FEWEST_ANGLES
+            || !grows(angles)
+            || angles.iter().any(|a| a.is_nan() || a.abs() > 90.0)
+        {
+            return refused(
+                "the view angles do not grow",
+                "give three or more from -90 to 90 degrees, each once",
+            );
         }
         if wavelengths.is_empty() || !grows(wavelengths) {
             return refused("the wavelengths do not grow", "give one or more, each once");
         }
-        if !(1..=MAX_ORDER).contains(&self.order) || self.period.is_some_and(|period| period.is_nan() || period <= 0.0) {
-            return refused("there is no such order", "give an order of 1 to 1000, and a period above zero or none");
+        if !(1..=MAX_ORDER).contains(&self.order)
+            || self.period.is_some_and(|period| period.is_nan() || period <= 0.0)
+        {
+            return refused(
+                "there is no such order",
+                "give an order of 1 to 1000, and a period above zero or none",
+            );
         }
         if self.plane.evaluations() > MAX_EVALUATIONS {
-            return refused("these are more evaluations than are made at once", "give fewer angles or wavelengths");
+            return refused(
+                "these are more evaluations than are made at once",
+                "give fewer angles or wavelengths",
+            );
         }
         Ok(())
     }

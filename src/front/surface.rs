@@ -9,8 +9,8 @@ use crate::surface::files::topography::Topography;
 use crate::surface::files::write::{self, ScanFormat};
 use crate::surface::prepare::{self, PreparationStep};
 use crate::surface::statistics::Statistics;
-use crate::surface::synth::{self, Spec, SurfaceKind};
 use crate::surface::statistics::plot_grid::PlotGrid;
+use crate::surface::synth::{self, Spec, SurfaceKind};
 use crate::surface::{HeightField, SurfaceSource};
 use std::path::Path;
 

@@ -199,10 +199,8 @@ fn compare(
 ) -> Result<()> {
     let [a, b] = variants.each_ref().map(|variant| variant.of(&arguments.optics));
     let optics = [a?, b?];
-    let maps = [
-        map::of(arguments, &optics[0], field, console)?,
-        map::of(arguments, &optics[1], field, console)?,
-    ];
+    let maps =
+        [map::of(arguments, &optics[0], field, console)?, map::of(arguments, &optics[1], field, console)?];
     figure::of_two(arguments, field, variants, &optics, &maps).save(
         plot,
         style,

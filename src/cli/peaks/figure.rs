@@ -18,7 +18,12 @@ const FINEST: [usize; 2] = [1200, 800];
 const DECADES: f64 = 5.0;
 
 /// Returns the figure of a sweep and the peaks found in it.
-pub fn figure(arguments: &Arguments, field: &HeightField, sweep: &AngleSweep, found: &[OrderPeaks]) -> Figure {
+pub fn figure(
+    arguments: &Arguments,
+    field: &HeightField,
+    sweep: &AngleSweep,
+    found: &[OrderPeaks],
+) -> Figure {
     Figure::new("")
         .row(vec![map(arguments, sweep, found), periods(arguments, found)])
         .panel_size(680.0, 470.0)

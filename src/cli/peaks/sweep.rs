@@ -54,12 +54,7 @@ fn of_windows(
 }
 
 /// Returns the responses of a plane, wavelength by wavelength.
-fn answer(
-    plane: &SweepPlane,
-    optics: &Optics,
-    field: &HeightField,
-    console: &Console,
-) -> Result<Vec<f64>> {
+fn answer(plane: &SweepPlane, optics: &Optics, field: &HeightField, console: &Console) -> Result<Vec<f64>> {
     let pairs = plane.pairs();
     let mut responses = Vec::with_capacity(plane.evaluations());
     let settings = SourceSettings { shortest: plane.wavelengths[0], ..SourceSettings::new(optics.clone()) };
