@@ -29,12 +29,12 @@ standard error of `HeightField.peaks` works without Vulkan.
 
 Examples
 --------
-Light 30° from the normal, the viewer on the other side, 13° from it:
+Light 30° from the normal, the viewer on the other side, in the brightest order of 550 nm:
 
 >>> import diffract
 >>> field = diffract.HeightField.generate("blaze")
 >>> brdf = field.brdf()
->>> light, view = diffract.direction(30, 0), diffract.direction(13, 180)
+>>> light, view = diffract.direction(30, 0), diffract.direction(46.05, 180)
 >>> float(brdf(light, view, 550e-9)) > 0
 True
 

@@ -31,9 +31,9 @@ class Light:
     --------
     >>> import diffract
     >>> diffract.Light(40, 90)
-    Light('40,90')
+    Light("40,90,1")
     >>> diffract.Light.parse("disc:5deg:40,90")
-    Light('disc:5deg:40,90')
+    Light("disc:5deg:40,90,1")
     """
 
     __slots__ = ("_core",)

@@ -141,7 +141,7 @@ class HeightField:
         --------
         >>> import diffract
         >>> diffract.HeightField.generate("lamellar", period=1e-6, height=150e-9, duty=0.4)
-        HeightField(1280 x 1280, 15.6 nm apart, heights over 150 nm)
+        HeightField(2000 x 216, 10 nm x 92.6 nm apart, heights over 150 nm)
         """
         patch = None if patch is None else pair("patch", patch)
         pixels = None if pixel_size is None else pair("pixel_size", pixel_size)
@@ -363,7 +363,7 @@ class HeightField:
         >>> orders = field.orders(diffract.direction(30, 0), 550e-9, material="aluminium")
         >>> brightest = orders[orders["efficiency"].argmax()]
         >>> int(brightest["m"]), f"{brightest['theta']:.2f}°"
-        (-1, '16.26°')
+        (1, '46.05°')
         """
         settings = optics(
             material=material, film=film, polarisation=polarisation, theory=theory, energy=energy
@@ -425,8 +425,8 @@ class HeightField:
         >>> import diffract
         >>> field = diffract.HeightField.generate("blaze")
         >>> peaks = field.peaks(-75, np.arange(38, 57, 0.1), wavelengths=[500e-9, 600e-9])
-        >>> f"{peaks.period * 1e9:.0f} nm"
-        '2500 nm'
+        >>> f"{peaks.period * 1e6:.2f} µm"
+        '2.50 µm'
         """
         azimuth = {"x": 0.0, "y": 90.0}.get(axis, axis)
         if isinstance(azimuth, str):

@@ -120,9 +120,15 @@ pub fn common_shape(arguments: &[&Argument<'_>]) -> PyResult<Vec<usize>> {
                 _ => None,
             })
             .collect();
-        let former = || arguments[..place].iter().map(|argument| argument.name).collect::<Vec<_>>().join(", ");
+        let former =
+            || arguments[..place].iter().map(|argument| argument.name).collect::<Vec<_>>().join(", ");
         common = joined.ok_or_else(|| {
-            let what = format!("of the shape {} does not fit {} of {}", in_words(&shape), former(), in_words(&common));
+            let what = format!(
+                "of the shape {} does not fit {} of {}",
+                in_words(&shape),
+                former(),
+                in_words(&common)
+            );
             crate::errors::argument(argument.name, what, "give arrays of shapes that numpy broadcasts")
         })?;
     }

@@ -60,10 +60,9 @@ impl CoreBrdf {
         context: &CoreContext,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let (field, shortest) = (field.field.clone(), micrometres(shortest));
-        let optics = optics.of(&field);
+        let (field, optics, shortest) = (field.field.clone(), optics.clone(), micrometres(shortest));
         let brdf = work::run(py, context, progress, move |_, task| {
-            SurfaceBrdf::with_shortest(&field, &optics, shortest, task)
+            SurfaceBrdf::with_shortest(&field, &optics.of(&field), shortest, task)
         })?;
         Ok(Self { brdf, is_quick, ready: Arc::default() })
     }
@@ -128,10 +127,12 @@ impl CoreBrdf {
             return Err(argument("size", format_args!("is {side}"), "give 1 to 16384 pixels along a side"));
         }
         let (brdf, wavelength) = (self.brdf.clone(), wavelength.map(micrometres));
-        let pixels = work::run(py, context, progress, move |_, task| brdf.map(light, side, wavelength, task))?;
+        let pixels =
+            work::run(py, context, progress, move |_, task| brdf.map(light, side, wavelength, task))?;
         let channels = if wavelength.is_some() { 1 } else { 3 };
         let inside = |pixel: &[f32; 4]| if pixel[3] > 0.0 { *pixel } else { [f32::NAN; 4] };
-        let numbers: Vec<f32> = pixels.iter().flat_map(|pixel| inside(pixel).into_iter().take(channels)).collect();
+        let numbers: Vec<f32> =
+            pixels.iter().flat_map(|pixel| inside(pixel).into_iter().take(channels)).collect();
         let side = side as usize;
         let shape: &[usize] = if channels == 1 { &[side, side] } else { &[side, side, 3] };
         let map = ArrayD::from_shape_vec(shape, numbers);

@@ -5,7 +5,12 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyMemoryError, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-create_exception!(diffract, Cancelled, PyException, "Work that ended before it was done, because the program ends.");
+create_exception!(
+    diffract,
+    Cancelled,
+    PyException,
+    "Work that ended before it was done, because the program ends."
+);
 create_exception!(
     diffract,
     DeviceError,

@@ -97,7 +97,11 @@ impl CoreField {
         let named = SurfaceKind::ALL.into_iter().find(|known| known.name() == kind);
         let Some(named) = named else {
             let known = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
-            return Err(argument("kind", format_args!("has no value {kind:?}"), &format!("give one of {known}")));
+            return Err(argument(
+                "kind",
+                format_args!("has no value {kind:?}"),
+                &format!("give one of {known}"),
+            ));
         };
         let mut spec = Spec::new(named).with_seed(seed);
         spec.patch = patch.map(|sides| sides.map(micrometres));
@@ -193,9 +197,14 @@ impl CoreField {
 
     /// Returns the report as JSON.
     fn report(&self, py: Python<'_>, optics: &CoreOptics, context: &CoreContext) -> PyResult<String> {
+<<<<<<< HEAD
         let (field, origin) = (self.field.clone(), self.origin.clone());
         let optics = optics.of(&field);
         work::run(py, context, None, move |_, task| inside::report(&field, &origin, &optics, task))
+=======
+        let (field, origin, optics) = (self.field.clone(), self.origin.clone(), optics.clone());
+        work::run(py, context, None, move |_, _| inside::report(&field, &origin, &optics.of(&field)))
+>>>>>>> python
     }
 
     /// Writes the field to a file.

@@ -1,9 +1,9 @@
 //! Uses of the library beyond its front: samples that were not measured, the origin of heights, and the report of `surface info` name a dozen types, which only this module
 //! needs. They may change in any version; the module is built with the library that it belongs to.
 
+use diffract::internals::notes::PreparationRecord;
 use diffract::internals::optics::surface_report::SurfaceReport;
 use diffract::internals::optics::validity::{LightColour, ScalarTheory};
-use diffract::internals::notes::PreparationRecord;
 use diffract::internals::surface::Statistics;
 use diffract::internals::surface::files::plausible::HeightSource;
 use diffract::internals::surface::files::{self, ScanOrigin, Spacing, Topography};
@@ -121,4 +121,3 @@ pub fn with_material_of(optics: Optics, scene: &Scene) -> Optics {
     let reflectance = material.by(former.stated_theory()).polarised(former.polarisation());
     Optics { reflectance, ..optics }
 }
-

@@ -6,7 +6,8 @@ use crate::units::micrometres;
 use diffract::{Beyond, HeightField, Optics, Polarisation, Theory};
 use pyo3::prelude::*;
 
-/// Settings of the optics, some of which follow from the surface.
+/// Settings of the optics, some of which follow from the surface. That takes a while: ask on the thread of the work.
+#[derive(Clone)]
 #[pyclass(frozen, module = "diffract._diffract")]
 pub struct CoreOptics {
     optics: Optics,
@@ -51,9 +52,11 @@ impl CoreOptics {
         let optics = optics.with_theory(named("theory", theory, THEORIES)?.unwrap_or_default());
         let polarisation = named("polarisation", polarisation, POLARISATIONS)?.unwrap_or_default();
         let optics = optics.with_polarisation(polarisation);
-        let optics = illuminant.map_or(Ok(optics.clone()), |name| optics.with_illuminant(name)).map_err(raised)?;
+        let optics =
+            illuminant.map_or(Ok(optics.clone()), |name| optics.with_illuminant(name)).map_err(raised)?;
         let optics = with_tolerance(optics, tolerance)?;
-        let optics = if named("method", method, METHODS)? == Some(true) { optics.by_reference() } else { optics };
+        let optics =
+            if named("method", method, METHODS)? == Some(true) { optics.by_reference() } else { optics };
         let optics = match named("windows", windows, WINDOWS)? {
             Some(true) => optics.through_one_window(),
             _ => optics,
@@ -85,7 +88,8 @@ fn named<T: Copy>(argument_name: &str, name: Option<&str>, known: &[(&str, T)]) 
 fn with_material(optics: Optics, material: Option<Material>, film: Option<(f64, f64)>) -> PyResult<Optics> {
     let name = match material {
         Some(Material::Index(index)) if !(1.0..=10.0).contains(&index) => {
-            let remedy = "give an index from 1 to 10, the name of a material, or a file of wavelength, n and k";
+            let remedy =
+                "give an index from 1 to 10, the name of a material, or a file of wavelength, n and k";
             return Err(argument("material", format_args!("has no index {index}"), remedy));
         }
         Some(Material::Index(index)) if film.is_none() => return Ok(optics.with_refractive_index(index)),
@@ -95,7 +99,9 @@ fn with_material(optics: Optics, material: Option<Material>, film: Option<(f64, 
         }
         Some(Material::Name(name)) => name,
         None if film.is_none() => return Ok(optics),
-        None => return Err(argument("film", "has no material below it", "name a material, such as \"glass\"")),
+        None => {
+            return Err(argument("film", "has no material below it", "name a material, such as \"glass\""));
+        }
     };
     let with = match film {
         Some((thickness, index)) => {
@@ -123,15 +129,19 @@ fn with_coherence(optics: Optics, coherence: Option<Coherence>) -> PyResult<Opti
         Some(Coherence::Length(metres)) if LENGTHS.contains(&micrometres(metres)) => {
             Ok(optics.with_coherence_length(micrometres(metres)))
         }
-        Some(Coherence::Length(metres)) => {
-            Err(argument("coherence", format_args!("is {metres} m"), "give a length from 10 nm to 100 mm, in metres"))
-        }
+        Some(Coherence::Length(metres)) => Err(argument(
+            "coherence",
+            format_args!("is {metres} m"),
+            "give a length from 10 nm to 100 mm, in metres",
+        )),
         Some(Coherence::Copies(x, y)) if (1..=10_000).contains(&x) && (1..=10_000).contains(&y) => {
             Ok(optics.with_copies([x, y]))
         }
-        Some(Coherence::Copies(x, y)) => {
-            Err(argument("coherence", format_args!("is ({x}, {y})"), "give 1 to 10000 copies along each side"))
-        }
+        Some(Coherence::Copies(x, y)) => Err(argument(
+            "coherence",
+            format_args!("is ({x}, {y})"),
+            "give 1 to 10000 copies along each side",
+        )),
         None => Ok(optics),
     }
 }

@@ -30,9 +30,10 @@ pub fn orders<'py>(
     if asked.iter().any(|metres| metres.is_nan()) {
         return Err(argument("wavelength", "is not a number", "give lengths in metres, as in 550e-9"));
     }
-    let (field, optics) = (field.field.clone(), optics.of(&field.field));
+    let (field, optics) = (field.field.clone(), optics.clone());
     let groups = by_wavelength(&asked.iter().map(|metres| [*metres]).collect::<Vec<_>>());
     let found = work::run(py, context, progress, move |_, task| {
+        let optics = optics.of(&field);
         let mut found: Vec<(usize, f64, Vec<GratingOrder>)> = Vec::new();
         for (wavelength, places) in groups {
             let orders = field.orders(&optics, light, wavelength, task)?;
@@ -74,9 +75,9 @@ pub fn peaks<'py>(
         .with_wavelengths(wavelengths)
         .with_order(order, period.map(micrometres))
         .with_error_over_windows(over_windows);
-    let (field, optics) = (field.field.clone(), optics.of(&field.field));
+    let (field, optics) = (field.field.clone(), optics.clone());
     let found = work::run(py, context, progress, move |context, task| {
-        field.peaks(&optics, &settings, context, task)
+        field.peaks(&optics.of(&field), &settings, context, task)
     })?;
     let branches = found.branches.iter().map(in_metres).collect();
     Ok((peak_columns(py, &found.peaks)?, in_metres(&found.period), branches))

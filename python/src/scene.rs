@@ -27,7 +27,11 @@ impl CoreLight {
     #[staticmethod]
     fn point(theta: f64, phi: f64, intensity: f64) -> PyResult<Self> {
         if ![theta, phi, intensity].iter().all(|x| x.is_finite()) || intensity < 0.0 {
-            return Err(argument("the light", "is out of range", "give finite angles and an intensity of 0 or more"));
+            return Err(argument(
+                "the light",
+                "is out of range",
+                "give finite angles and an intensity of 0 or more",
+            ));
         }
         Ok(Self { light: Light::new(theta, phi, intensity) })
     }
@@ -171,10 +175,10 @@ pub fn render<'py>(
     if samples == 0 {
         return Err(argument("samples", "is 0", "give 1 or more"));
     }
-    let (scene, field) = (scene.scene.clone(), field.field.clone());
-    let optics = optics.of_scene(&field, &scene);
-    let settings = PictureSettings::new(size).with_samples(samples).with_optics(&optics);
+    let (scene, field, optics) = (scene.scene.clone(), field.field.clone(), optics.clone());
     let picture = work::run(py, context, progress, move |context, task| {
+        let optics = optics.of_scene(&field, &scene);
+        let settings = PictureSettings::new(size).with_samples(samples).with_optics(&optics);
         diffract::draw(&scene, &field, &settings, context, task)
     })?;
     let flat = picture.radiance.into_iter().flatten().collect();

@@ -35,9 +35,9 @@ impl CoreTable {
             let remedy = "give a standard deviation of (u, v) from 0 to 0.5";
             return Err(argument("footprint", format_args!("is {footprint}"), remedy));
         }
-        let (field, optics) = (field.field.clone(), optics.of(&field.field));
+        let (field, optics) = (field.field.clone(), optics.clone());
         let colours = work::run(py, context, progress, move |context, task| {
-            SurfaceColours::new(&field, &optics, footprint, context, task)
+            SurfaceColours::new(&field, &optics.of(&field), footprint, context, task)
         })?;
         Ok(Self { colours })
     }
@@ -68,10 +68,19 @@ impl CoreTable {
         let pairs = Pairs::new(&light, &view, common_shape(&[&light, &view, &footprint])?)?;
         let covariances: Vec<[f64; 3]> = match is_covariance {
             true => pairs.beside(&footprint)?.into_iter().map(|[uu, uv, _, vv]| [uu, uv, vv]).collect(),
-            false => pairs.beside(&footprint)?.into_iter().map(|[s]| [s * s.abs(), 0.0, s * s.abs()]).collect(),
+            false => {
+                pairs.beside(&footprint)?.into_iter().map(|[s]| [s * s.abs(), 0.0, s * s.abs()]).collect()
+            }
         };
-        if covariances.iter().any(|[uu, uv, vv]| !(*uu >= 0.0 && *vv >= 0.0 && uv * uv <= uu * vv * (1.0 + 1e-9))) {
-            return Err(argument(name, "is negative or not a number", "give standard deviations, or covariances"));
+        if covariances
+            .iter()
+            .any(|[uu, uv, vv]| !(*uu >= 0.0 && *vv >= 0.0 && uv * uv <= uu * vv * (1.0 + 1e-9)))
+        {
+            return Err(argument(
+                name,
+                "is negative or not a number",
+                "give standard deviations, or covariances",
+            ));
         }
         let asked: Vec<_> = pairs.pairs.iter().copied().zip(covariances).collect();
         let read = || {
@@ -108,4 +117,3 @@ impl CoreTable {
         work::run(py, context, None, move |_, _| diffract::check_export(&folder))
     }
 }
-

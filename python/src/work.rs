@@ -163,7 +163,9 @@ pub fn run<T: Send + 'static>(
             drop(place);
         }
     });
-    started.map_err(|e| PyRuntimeError::new_err(format!("the system gives no thread ({e}); end other programs")))?;
+    started.map_err(|e| {
+        PyRuntimeError::new_err(format!("the system gives no thread ({e}); end other programs"))
+    })?;
     let outcome = wait(py, receiver, &seen, observer, &task)?;
     seen.warn(py)?;
     outcome.unwrap_or_else(|panic: Box<dyn Any + Send>| resume_unwind(panic)).map_err(raised)
@@ -195,7 +197,9 @@ fn wait<T: Send>(
                 }
             }
             Err(RecvTimeoutError::Disconnected) => {
-                return Err(PyRuntimeError::new_err("the work has ended without a result; report this as a bug of diffract"));
+                return Err(PyRuntimeError::new_err(
+                    "the work has ended without a result; report this as a bug of diffract",
+                ));
             }
         }
     }

@@ -57,5 +57,5 @@ def blaze():
 def brdf(blaze):
     """Returns its BRDF, ready to answer."""
     made = blaze.brdf()
-    made(diffract.direction(30, 0), diffract.direction(13, 180), 550e-9)
+    made(diffract.direction(30, 0), diffract.direction(46.05, 180), 550e-9)
     return made

@@ -11,7 +11,7 @@ import diffract
 from diffract import HeightField, direction
 
 # θ_i, φ_i, θ_r, φ_r in degrees and wavelengths in nanometres, some of which are no whole numbers.
-DIRECTIONS = [(30, 0, 13, 180), (30, 0, 16.25, 180), (75, 10, 48.3, 180), (0, 0, 33, 90), (60, 5, 89, 185)]
+DIRECTIONS = [(30, 0, 46.05, 180), (30, 0, 16.25, 180), (75, 10, 48.3, 180), (0, 0, 33, 90), (60, 5, 89, 185)]
 NANOMETRES = [380, 550, 550.1, 700, 780]
 
 

@@ -156,11 +156,11 @@ def test_other_threads_run_meanwhile():
 
 
 def answer_in_child(field, queue):
-    queue.put(field.brdf()(direction(30, 0), direction(13, 180), 550e-9))
+    queue.put(field.brdf()(direction(30, 0), direction(46.05, 180), 550e-9))
 
 
 def answer_by_what_the_parent_made(brdf, queue):
-    queue.put(brdf(direction(30, 0), direction(13, 180), 550e-9))
+    queue.put(brdf(direction(30, 0), direction(46.05, 180), 550e-9))
 
 
 def test_a_fork_answers_by_what_its_parent_made(brdf):
@@ -170,7 +170,7 @@ def test_a_fork_answers_by_what_its_parent_made(brdf):
     process.start()
     value = queue.get(timeout=120)
     process.join(timeout=60)
-    assert value == brdf(direction(30, 0), direction(13, 180), 550e-9) and process.exitcode == 0
+    assert value == brdf(direction(30, 0), direction(46.05, 180), 550e-9) and process.exitcode == 0
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
@@ -181,7 +181,7 @@ def test_processes_answer_alike(blaze, brdf, method):
     process.start()
     value = queue.get(timeout=120)
     process.join(timeout=60)
-    assert value == brdf(direction(30, 0), direction(13, 180), 550e-9) and process.exitcode == 0
+    assert value == brdf(direction(30, 0), direction(46.05, 180), 550e-9) and process.exitcode == 0
 
 
 def test_contexts_are_checked_and_pickled():
