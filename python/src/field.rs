@@ -197,14 +197,8 @@ impl CoreField {
 
     /// Returns the report as JSON.
     fn report(&self, py: Python<'_>, optics: &CoreOptics, context: &CoreContext) -> PyResult<String> {
-<<<<<<< HEAD
-        let (field, origin) = (self.field.clone(), self.origin.clone());
-        let optics = optics.of(&field);
-        work::run(py, context, None, move |_, task| inside::report(&field, &origin, &optics, task))
-=======
         let (field, origin, optics) = (self.field.clone(), self.origin.clone(), optics.clone());
-        work::run(py, context, None, move |_, _| inside::report(&field, &origin, &optics.of(&field)))
->>>>>>> python
+        work::run(py, context, None, move |_, task| inside::report(&field, &origin, &optics.of(&field), task))
     }
 
     /// Writes the field to a file.

@@ -19,11 +19,7 @@ mod windows;
 
 pub use brdf::{GratingOrder, SurfaceBrdf};
 pub use colours::{SurfaceColours, check_export};
-<<<<<<< HEAD
 pub use peaks::{AngularPeak, MeasuredPeriod, PeakSettings, SurfacePeaks};
-=======
-pub use peaks::{MeasuredPeriod, PeakSettings, SpectralPeak, SurfacePeaks};
->>>>>>> python
 #[cfg(feature = "vulkan")]
 pub use picture::{PictureDifference, draw};
 pub use surface::SurfaceMeasures;
