@@ -223,7 +223,7 @@ class HeightField:
         >>> import diffract
         >>> info = diffract.HeightField.generate("sinusoid").info()
         >>> info["samples"], f"{info['rms_m'] * 1e9:.2f} nm", info["beyond"]
-        ([240, 240], '70.71 nm', 'copies')
+        ([240, 216], '70.71 nm', 'copies')
         """
         settings = optics(
             material=material, polarisation=polarisation, theory=theory, illuminant=illuminant
