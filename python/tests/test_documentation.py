@@ -94,9 +94,9 @@ def test_a_cluster_of_four_workers_with_a_shared_cache_answers_bit_by_bit(scratc
         import numpy
         import diffract
 
-        field = diffract.HeightField.generate("elaphe", seed=seed, patch=10e-6)
+        field = diffract.HeightField.generate("elaphe", seed=seed, patch=4e-6)
         context = diffract.Context(cache=cache, threads=1)
-        table = field.table(tolerance=0.1, coherence=10e-6, context=context)
+        table = field.table(tolerance=0.1, coherence=4e-6, context=context)
         views = diffract.direction(numpy.linspace(0, 60, 50), 180)
         return table.rgb(diffract.direction(30, 0), views).tobytes()
 

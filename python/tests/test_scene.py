@@ -62,7 +62,7 @@ def test_what_a_screen_shows_is_8_bits():
         (lambda: Scene("no-such-scene"), "no-such-scene", (ValueError, OSError)),
         (lambda: Scene("plate", lights=[30]), "lights", TypeError),
         (lambda: Scene("plate", lights=["bright"]), "bright", ValueError),
-        (lambda: Scene("plate", camera=((0, 0, 0), (0, 0, 0), 30)), "", ValueError),
+        (lambda: Scene("plate", camera=((0, 0, 0), (0, 0, 0), 30)), "camera", ValueError),
         (lambda: Light(np.nan, 0), "light", ValueError),
         (lambda: diffract.render("plate", 5), "surface", TypeError),
         (lambda: diffract.render("plate", "blaze", size=(0, 9)), "size", ValueError),
