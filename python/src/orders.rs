@@ -8,7 +8,7 @@ use crate::field::CoreField;
 use crate::optics::CoreOptics;
 use crate::units::{metres, micrometres};
 use crate::work;
-use diffract::{GratingOrder, MeasuredPeriod, PeakSettings, AngularPeak};
+use diffract::{AngularPeak, GratingOrder, MeasuredPeriod, PeakSettings};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
