@@ -585,7 +585,7 @@ fn the_version_and_the_crates_of_the_python_module_are_those_of_the_program() {
     let [program, module] = ["Cargo.lock", "python/Cargo.lock"].map(|name| locked(&read(name)));
     assert!(program.len() > 100 && module.len() > 100);
     for (name, versions) in module.iter().filter(|(name, _)| program.contains_key(*name)) {
-        // What nothing of the program may take, a crate of the module may need beside it.
+        // A crate of the module may need a version that no crate of the program accepts; it stands beside the other.
         let could_be =
             |version: &&String| program[name].iter().any(|of| compatible(of) == compatible(version));
         let others: Vec<_> = versions.difference(&program[name]).filter(could_be).collect();

@@ -29,7 +29,7 @@ pub struct CoreBrdf {
     ready: Arc<Mutex<BTreeSet<Prepared>>>,
 }
 
-/// What is made for the first answer of its kind.
+/// Kind of answers: the first of each makes data that the later ones share.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Prepared {
     /// Wavelengths of an octave.

@@ -67,7 +67,7 @@ impl CoreContext {
             let all = || std::thread::available_parallelism().map_or(1, NonZero::get);
             let threads = Some(self.threads.unwrap_or_else(all));
             let context = Self::make(self.folder.as_ref(), self.limit, threads, self.device.as_deref())?;
-            // What the parent had is left alone: its threads do not exist here.
+            // The context of the parent is left alone: its threads do not exist here.
             std::mem::forget(std::mem::replace(&mut *made, (std::process::id(), context)));
         }
         Ok(made.1.clone())

@@ -50,7 +50,7 @@ impl Origin {
 pub struct ReadField {
     /// The heights, gaps filled.
     pub field: HeightField,
-    /// Where they come from.
+    /// Origin of the heights.
     pub origin: Origin,
     /// Facts, one line each.
     pub warnings: Vec<String>,

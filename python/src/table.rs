@@ -13,6 +13,9 @@ use std::path::PathBuf;
 /// Number of values that are answered on the thread of the caller, with the interpreter's lock: less than a millisecond's.
 const FEW: usize = 512;
 
+/// Share by which a covariance of a matrix of rank one may exceed what is possible: its three numbers are rounded one by one.
+const ROUNDING: f64 = 1e-9;
+
 /// Colours of a surface in all directions, from a table.
 #[pyclass(frozen, module = "diffract._diffract")]
 pub struct CoreTable {
@@ -74,7 +77,7 @@ impl CoreTable {
         };
         if covariances
             .iter()
-            .any(|[uu, uv, vv]| !(*uu >= 0.0 && *vv >= 0.0 && uv * uv <= uu * vv * (1.0 + 1e-9)))
+            .any(|[uu, uv, vv]| !(*uu >= 0.0 && *vv >= 0.0 && uv * uv <= uu * vv * (1.0 + ROUNDING)))
         {
             return Err(argument(
                 name,

@@ -88,7 +88,7 @@ pub fn end_all(py: Python<'_>) {
     });
 }
 
-/// What the caller of some work sees of it.
+/// Latest progress and notes of some work, which its caller shows.
 #[derive(Clone, Default)]
 struct Seen {
     /// Latest progress that was not shown yet.
