@@ -16,7 +16,7 @@ TO_SRGB = np.array(
         (0.055630079696994, -0.203976958888977, 1.056971514242879),
     ]
 )
-FORMAT, VERSION = "diffract-material", 3
+FORMAT, VERSION = "diffract-material", 4
 # Format of table.ktx2: VK_FORMAT_R16G16B16A16_SFLOAT.
 HALVES = 97
 # A material hides the pigment below if light is darker than 1/e at this depth [um], by k at this wavelength [um].

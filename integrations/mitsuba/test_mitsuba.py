@@ -240,8 +240,8 @@ class Refusals(unittest.TestCase):
         (copy / "table.ktx2").write_bytes((skin / "table.ktx2").read_bytes()[:-1])
         self.assertRaisesRegex(ExportError, "truncated", Export, copy)
         about = json.loads((skin / "material.json").read_text())
-        (copy / "material.json").write_text(json.dumps(about | {"version": 4}))
-        self.assertRaisesRegex(ExportError, "has version 3", Export, copy)
+        (copy / "material.json").write_text(json.dumps(about | {"version": 5}))
+        self.assertRaisesRegex(ExportError, "has version 4", Export, copy)
 
 
 if __name__ == "__main__":

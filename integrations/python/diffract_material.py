@@ -17,7 +17,7 @@ import pathlib
 import struct
 import sys
 
-VERSION = 3
+VERSION = 4
 LARGEST_W = 2.0
 # Product of sines below which a direction is the normal.
 NORMAL = 1e-12

@@ -21,4 +21,4 @@ struct Table {
 };
 
 const float COLUMNS = 128.0; // of the rows of the specular order
-const float SIDE = 64.0;       // of the square of directions of the limit of energy
+const float SIDE = 65.0;       // of the square of directions of the limit of energy

@@ -26,8 +26,9 @@ pub trait EnergyLimit: Debug + Send + Sync {
 pub struct DirectionGrid;
 
 impl DirectionGrid {
-    /// Points along a side.
-    pub const SIDE: usize = 64;
+    /// Points along a side. It is odd, so that one stands at the normal: there the albedo of a symmetric grating has a peak,
+    /// because its orders on both sides appear at the same wavelengths.
+    pub const SIDE: usize = 65;
     /// Number of points.
     pub const COUNT: usize = Self::SIDE * Self::SIDE;
 

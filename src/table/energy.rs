@@ -6,7 +6,7 @@ use crate::optics::energy::DirectionGrid;
 
 impl Kept for EnergyMap {
     /// The version changes whenever the map of the same key would change.
-    const FORMAT: EntryFormat = EntryFormat { name: "energy", version: 1 };
+    const FORMAT: EntryFormat = EntryFormat { name: "energy", version: 2 };
     type Header = EnergyMapHeader;
 
     fn header(&self) -> EnergyMapHeader {
