@@ -16,8 +16,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Number of values that are answered at once on the thread of the caller: they take less than a millisecond.
 const FEW: usize = 64;
-/// Largest side of a map \[pixels\].
-const MAX_SIDE: u32 = 16_384;
 
 /// BRDF of a surface under some optics.
 #[pyclass(frozen, module = "diffract._diffract")]
@@ -123,9 +121,6 @@ impl CoreBrdf {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let light = one_direction("light", light)?;
-        if !(1..=MAX_SIDE).contains(&side) {
-            return Err(argument("size", format_args!("is {side}"), "give 1 to 16384 pixels along a side"));
-        }
         let (brdf, wavelength) = (self.brdf.clone(), wavelength.map(micrometres));
         let pixels =
             work::run(py, context, progress, move |_, task| brdf.map(light, side, wavelength, task))?;

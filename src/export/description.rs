@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Word by which an export is known.
 const FORMAT: &str = "diffract-material";
 /// Version of the format. It changes whenever a reader of the former one would misread an export. Levels of version 2 were an octave apart.
-const VERSION: u64 = 4;
+pub(super) const VERSION: u64 = 4;
 
 /// Everything about an exported material but its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -243,6 +243,7 @@ impl ExportReader {
 mod tests {
     use super::*;
     use crate::export::conformance::tests::{small_field, small_settings, small_table};
+    use crate::export::description::VERSION;
     use std::sync::Arc;
 
     fn export(folder: &Path) -> Result<()> {
@@ -328,9 +329,11 @@ mod tests {
         assert!(e.contains("no description"), "{e}");
         let e = reason(MATERIAL, &|bytes| {
             let text = String::from_utf8(bytes.clone()).unwrap();
-            *bytes = text.replace("\"version\": 3", "\"version\": 4").into_bytes();
+            *bytes = text
+                .replace(&format!("\"version\": {VERSION}"), &format!("\"version\": {}", VERSION + 1))
+                .into_bytes();
         });
-        assert!(e.contains("version 4") && e.contains("newer program"), "{e}");
+        assert!(e.contains(&format!("version {}", VERSION + 1)) && e.contains("newer program"), "{e}");
         // Each byte of the description counts.
         let _ = fs::remove_dir_all(&folder);
         export(&folder).unwrap();

@@ -14,6 +14,7 @@ use crate::optics::spectrum::{ANSWERED, SHORTEST};
 use crate::settings::{Method, Optics};
 use crate::surface::HeightField;
 use crate::task::{DIRECTIONS, Task};
+use crate::units::MAX_PIXELS;
 use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
@@ -95,7 +96,7 @@ impl SurfaceBrdf {
     /// direction of x = 2(i + ½)/side − 1 and y = 1 − 2(j + ½)/side.
     ///
     /// # Errors
-    /// Those of [`Self::spectral`]; fails for a side of 0.
+    /// Those of [`Self::spectral`]; fails for a side of 0 or of more than 16384.
     pub fn map(
         &self,
         light: [f64; 3],
@@ -103,8 +104,11 @@ impl SurfaceBrdf {
         wavelength: Option<f64>,
         task: &Task,
     ) -> Result<Vec<[f32; 4]>> {
-        if side == 0 {
-            return Err(Error::usage("a map of no pixels shows nothing", "give 1 or more along a side"));
+        if !(1..=MAX_PIXELS).contains(&side) {
+            return Err(Error::usage(
+                format!("a map cannot have {side} pixels along a side"),
+                format!("give a size of 1 to {MAX_PIXELS}"),
+            ));
         }
         wavelength.map_or(Ok(()), |wavelength| self.check_wavelength(wavelength))?;
         let mut map = HemisphereMap::dark(side)?;

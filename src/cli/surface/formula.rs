@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::surface::HeightField;
 use crate::surface::synth::{self, Spec};
-use exmex::{BinOp, Express, FlatEx, FloatOpsFactory, MakeOperators, Operator};
+use exmex::{BinOp, Express, FlatEx, FloatOpsFactory, MakeOperators, MatchLiteral, Operator};
 
 /// Variable of a profile: the place in its period, from 0 to 1.
 const VARIABLE: &str = "x";
@@ -14,11 +14,35 @@ const FORM: &str =
     "write heights in micrometres over x, as in '0.1*sin(6.2832*x)' or '0.15 if x < 0.5 else 0'";
 
 /// Formula of 64-bit floats.
-type Formula = FlatEx<f64, ProfileOperators>;
+type Formula = FlatEx<f64, ProfileOperators, DecimalNumber>;
 
 /// Operators of a profile: those of floats, and below them comparisons, which are 1 or 0, `&&`, `||`, and `value if condition else other`.
 #[derive(Clone, Debug)]
 struct ProfileOperators;
+
+/// Number with digits before or behind a point, and an exponent, as in `2.5e-2`.
+#[derive(Clone, Debug)]
+struct DecimalNumber;
+
+impl MatchLiteral for DecimalNumber {
+    fn is_literal(text: &str) -> Option<&str> {
+        let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+        let whole = digits(0);
+        let mut end = whole;
+        if text[end..].starts_with('.') {
+            end += 1 + digits(end + 1);
+        }
+        if end < whole + 2 && whole == 0 {
+            return None; // no digit
+        }
+        if text[end..].starts_with(['e', 'E']) {
+            let sign = usize::from(text[end + 1..].starts_with(['+', '-']));
+            let exponent = digits(end + 1 + sign);
+            end += if exponent > 0 { 1 + sign + exponent } else { 0 };
+        }
+        Some(&text[..end])
+    }
+}
 
 /// Value of `value if condition` where the condition does not hold: a NaN by whose bits `else` knows it.
 const NO_VALUE: u64 = 0x7ff8_0000_0000_0e15;
@@ -106,6 +130,23 @@ mod tests {
         let heights: Vec<f64> = of_three.row(0).iter().copied().step_by(quarter).take(4).collect();
         assert_eq!(heights, [0.1, 0.2, 0.25, 0.25], "and a quotient of whole numbers is no whole number");
         assert!(made("1").unwrap().heights().iter().all(|h| *h == 1.0));
+    }
+
+    #[test]
+    fn numbers_may_have_exponents() {
+        for (text, number) in [
+            ("2e-2*x", "2e-2"),
+            ("1.5E+3", "1.5E+3"),
+            (".5e1", ".5e1"),
+            ("3.", "3."),
+            ("1else", "1"),
+            ("2e", "2"),
+            ("7)", "7"),
+        ] {
+            assert_eq!(DecimalNumber::is_literal(text), Some(number), "{text}");
+        }
+        assert!([".", "x", "-1", "e5", ""].iter().all(|text| DecimalNumber::is_literal(text).is_none()));
+        assert_eq!(made("2e-2*x").unwrap().heights(), made("0.02*x").unwrap().heights());
     }
 
     #[test]

@@ -13,15 +13,18 @@ pub mod format;
 pub mod frt;
 pub mod gsf;
 pub mod gwy;
+pub mod hdf5;
 pub mod header;
 pub mod igor;
 pub mod image;
 pub mod invalid;
 pub mod jpk;
+pub mod jpk_hdf5;
 pub mod keyence;
 pub mod nanonis;
 pub mod nanoscope;
 pub mod nanosurf;
+pub mod nanosurf_hdf5;
 pub mod npy;
 pub mod park;
 pub mod picoview;
@@ -47,6 +50,7 @@ pub mod wyko;
 pub mod x3p;
 pub mod xyz;
 pub mod zygo;
+pub mod zygo_hdf5;
 pub mod zygo_xyz;
 
 use super::HeightField;
@@ -111,8 +115,11 @@ pub const FORMATS: &[Format] = &[
     x3p::FORMAT,
     sdf::FORMAT,
     jpk::FORMAT,
+    jpk_hdf5::FORMAT,
     nanosurf::FORMAT,
+    nanosurf_hdf5::FORMAT,
     zygo::FORMAT,
+    zygo_hdf5::FORMAT,
     wyko::FORMAT,
     nanonis::FORMAT,
     keyence::FORMAT,
@@ -188,7 +195,7 @@ fn load(path: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// No known format; errors of the format's reader.
 pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
-    if let Some(refusal) = unread::by_content(bytes, extension) {
+    if let Some(refusal) = unread::by_content(bytes) {
         return Err(refusal);
     }
     let by_name = |format: &&Format| format.is_by_name && format.has_extension(extension);

@@ -17,12 +17,11 @@ const PREFIXES: [(&str, f64); 12] = [
 ];
 
 /// Lengths that are not metres with a prefix \[m\].
-const OTHER_LENGTHS: [(&str, f64); 13] = [
+const OTHER_LENGTHS: [(&str, f64); 12] = [
     ("meter", 1.0),
     ("metre", 1.0),
     ("nanometer", 1e-9),
     ("micron", 1e-6),
-    ("microns", 1e-6),
     ("micrometer", 1e-6),
     ("micrometre", 1e-6),
     ("millimeter", 1e-3),
@@ -37,7 +36,8 @@ const OTHER_LENGTHS: [(&str, f64); 13] = [
 pub fn length(unit: &str) -> Option<f64> {
     let unit = unit.trim();
     let lower = unit.to_lowercase();
-    let other = OTHER_LENGTHS.iter().find(|(name, _)| *name == unit || *name == lower);
+    let one = lower.strip_suffix('s').unwrap_or(&lower);
+    let other = OTHER_LENGTHS.iter().find(|(name, _)| *name == unit || *name == lower || *name == one);
     other.map(|(_, metres)| *metres).or_else(|| prefixed(unit, "m"))
 }
 

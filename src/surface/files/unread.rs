@@ -3,6 +3,7 @@
 use super::bytes::{Order, wide_text};
 use super::format::no_signature;
 use super::tiff_tags::TiffDirectory;
+use super::{hdf5, jpk_hdf5, nanosurf_hdf5, zygo_hdf5};
 use crate::error::Error;
 use std::io::Cursor;
 use zip::ZipArchive;
@@ -92,10 +93,7 @@ const UNREAD: &[UnreadFormat] = &[
         |b| b.starts_with(OLE),
         "open it there, and save the surface as .sur",
     ),
-    row("a Zygo Mx file (HDF5)", &["datx"], no_signature, HDF5),
-    row("a Nanosurf Studio file (HDF5)", &["nhf"], no_signature, HDF5),
-    row("a JPK file (HDF5)", &["h5-jpk"], no_signature, HDF5),
-    row("an HDF5 file", &["h5", "hdf5"], |b| b.starts_with(b"\x89HDF\r\n\x1a\n"), HDF5),
+    row("an HDF5 file of no known program", &["h5", "hdf5"], is_other_hdf5, HDF5),
     row("a grid of Nanonis's spectra", &["3ds"], |b| b.starts_with(b"Grid dim="), CURVES),
     row("a NanoFocus scan", &["nms"], no_signature, EXPORT),
     row("a high-speed AFM film", &["asd"], no_signature, GWYDDION),
@@ -120,13 +118,9 @@ const fn row(
     UnreadFormat { what, extensions, signature, remedy }
 }
 
-/// Returns the error for a file of a format that is recognised by its content and not read; `None` for others. The `extension` says what
-/// kind of HDF5 it is.
-pub fn by_content(bytes: &[u8], extension: &str) -> Option<Error> {
-    let found = UNREAD.iter().find(|format| (format.signature)(bytes))?;
-    let is_kind = |format: &&UnreadFormat| format.remedy == HDF5 && format.extensions.contains(&extension);
-    let kind = UNREAD.iter().find(is_kind).filter(|_| found.remedy == HDF5);
-    Some(refusal(kind.unwrap_or(found)))
+/// Returns the error for a file of a format that is recognised by its content and not read; `None` for others.
+pub fn by_content(bytes: &[u8]) -> Option<Error> {
+    UNREAD.iter().find(|format| (format.signature)(bytes)).map(refusal)
 }
 
 /// Returns the error for a file with an `extension` of a format that is not read; `None` for others.
@@ -162,6 +156,12 @@ fn is_lext(bytes: &[u8]) -> bool {
         .first()
         .and_then(|page| page.text(DESCRIPTION))
         .is_some_and(|text| text.contains("<TiffTagDescData"))
+}
+
+/// Returns true for HDF5 of none of the programs whose files are read.
+fn is_other_hdf5(bytes: &[u8]) -> bool {
+    let mut read = [jpk_hdf5::FORMAT, nanosurf_hdf5::FORMAT, zygo_hdf5::FORMAT].into_iter();
+    bytes.starts_with(hdf5::SIGNATURE) && !read.any(|format| (format.signature)(bytes))
 }
 
 /// Returns true for an STL, as text or with a count of triangles that fits the length of the file.

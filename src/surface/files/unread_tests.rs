@@ -21,7 +21,6 @@ fn files_that_are_not_read_are_named_with_a_way_out() {
         (zip(&["header.properties", "segments/0/x"]), "jpk-force", "force curves", "image"),
         (zip(&["height.npy", "mask.npy"]), "npz", "NumPy", ".npy"),
         (zip(&["index.xml", "LAYER_0.raw"]), "plux", "Sensofar", ".sur"),
-        (b"\x89HDF\r\n\x1a\n\0".to_vec(), "datx", "Zygo Mx", "Gwyddion"),
         (b"\x89HDF\r\n\x1a\n\0".to_vec(), "dat", "an HDF5 file", "Gwyddion"),
         (b"MATLAB 5.0 MAT-file\0".to_vec(), "mat", "MATLAB", "writematrix"),
         (wide, "sm4", "RHK", "Gwyddion"),
@@ -43,9 +42,9 @@ fn files_that_are_not_read_are_named_with_a_way_out() {
 
 #[test]
 fn descriptions_of_x3p_keep_their_reader_and_damaged_zips_its_errors() {
-    assert!(by_content(&zip(&["main.xml", "index.xml"]), "x3p").is_none());
-    assert!(by_content(b"PK\x03\x04", "npz").is_none());
-    assert!(by_content(b"", "").is_none() && by_name("gsf").is_none() && by_name("tmd").is_some());
+    assert!(by_content(&zip(&["main.xml", "index.xml"])).is_none());
+    assert!(by_content(b"PK\x03\x04").is_none());
+    assert!(by_content(b"").is_none() && by_name("gsf").is_none() && by_name("tmd").is_some());
 }
 
 #[test]
