@@ -147,6 +147,7 @@ const FLOORS: [(&str, &[&str]); 33] = [
             "error",
             "task",
             "notes",
+            "units",
         ],
     ),
     (

@@ -201,7 +201,7 @@ commands() {
 This page is the help of the program, `diffract help COMMAND`. `diffract completions SHELL` prints completions for a shell,
 `diffract manual FOLDER` writes pages for `man`.
 END
-    for command in view render eval brdf orders export peaks profile trade 'surface info' 'surface synth' 'surface convert' cache devices; do
+    for command in view render eval brdf orders export peaks profile trade 'surface info' 'surface synth' 'surface convert' lights cache devices; do
         printf '\n## diffract %s\n\n```help\n' "$command"
         # shellcheck disable=SC2086 # two words
         diffract help $command | sed 's/[[:space:]]*$//'

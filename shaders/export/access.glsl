@@ -1,13 +1,8 @@
-// The two textures of an export and the reads from them.
+// Numbers of an export.
 
 #ifndef DIFFRACT_LAYOUT
 #define DIFFRACT_LAYOUT(number)
 #endif
-// table.ktx2, a 2D array of RGBA16F with levels: linear between texels, nearest between levels, clamped to the edge.
-DIFFRACT_LAYOUT(0) uniform sampler2DArray table;
-// functions.ktx2, RGBA32F, read texel by texel: rows of the specular order and of the mean R, then a row of cubics for each piece, then
-// the rows of the limit of energy.
-DIFFRACT_LAYOUT(1) uniform sampler2D functions;
 
 // Numbers of the table.
 struct Table {
@@ -21,4 +16,4 @@ struct Table {
 };
 
 const float COLUMNS = 128.0; // of the rows of the specular order
-const float SIDE = 65.0;       // of the square of directions of the limit of energy
+const float SIDE = 65.0;     // of the square of directions of the limit of energy

@@ -1,21 +1,14 @@
 // Reads from the textures of an export.
 
-vec4 table_texel(vec3 place, float mip) {
-    float side = float(textureSize(table, int(mip)).x);
-    // Beyond the outermost texels the numbers fall to 0 within one texel.
-    vec2 inside = clamp(0.5 * side + 0.5 - abs(place.xy - 0.5) * side, 0.0, 1.0);
-    return inside.x * inside.y * textureLod(table, place, mip);
-}
-
 vec4 table_cubic(int column, int piece) {
-    return texelFetch(functions, ivec2(column, FIRST_CUBIC + piece), 0);
+    return functions_texel(ivec2(column, FIRST_CUBIC + piece));
 }
 
 vec4 table_row(float place, int row) {
     float column = clamp(place, 0.0, 1.0) * (COLUMNS - 1.0);
     float left = min(floor(column), COLUMNS - 2.0);
-    vec4 a = texelFetch(functions, ivec2(int(left), row), 0);
-    vec4 b = texelFetch(functions, ivec2(int(left) + 1, row), 0);
+    vec4 a = functions_texel(ivec2(int(left), row));
+    vec4 b = functions_texel(ivec2(int(left) + 1, row));
     return mix(a, b, column - left);
 }
 
@@ -27,8 +20,8 @@ vec2 energy_at(vec3 direction) {
     place = clamp(place, vec2(0.0), vec2(SIDE - 1.0));
     vec2 corner = min(floor(place), vec2(SIDE - 2.0));
     ivec2 first = ivec2(corner) + ivec2(0, FIRST_ENERGY);
-    vec2 a = mix(texelFetch(functions, first, 0).rg, texelFetch(functions, first + ivec2(1, 0), 0).rg, place.x - corner.x);
-    vec2 b = mix(texelFetch(functions, first + ivec2(0, 1), 0).rg, texelFetch(functions, first + ivec2(1, 1), 0).rg, place.x - corner.x);
+    vec2 a = mix(functions_texel(first).rg, functions_texel(first + ivec2(1, 0)).rg, place.x - corner.x);
+    vec2 b = mix(functions_texel(first + ivec2(0, 1)).rg, functions_texel(first + ivec2(1, 1)).rg, place.x - corner.x);
     return mix(a, b, place.y - corner.y);
 }
 

@@ -39,6 +39,8 @@ struct DeviceReport<'a> {
     kind: &'static str,
     vulkan: String,
     driver: &'a str,
+    /// Identity, 32 hexadecimal digits in five groups.
+    uuid: String,
     memory_bytes: u64,
     largest_image: [u32; 3],
     /// Requirements that the device lacks; none if it can be used.
@@ -53,6 +55,7 @@ impl<'a> DeviceReport<'a> {
             kind: kind_name(device.kind),
             vulkan: format!("{major}.{minor}.{}", vk::api_version_patch(device.version)),
             driver: &device.driver,
+            uuid: device.hyphenated_uuid(),
             memory_bytes: device.memory,
             largest_image: [device.max_side, device.max_side, device.max_layers],
             missing: &device.missing,
@@ -79,11 +82,12 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         let mark = if choice.as_ref().is_ok_and(|c| c.0 == index) { '*' } else { ' ' };
         let (major, minor) = (vk::api_version_major(device.version), vk::api_version_minor(device.version));
         text += &format!(
-            "{mark} {index}  {}\n     {}, Vulkan {major}.{minor}.{}, driver {}\n     {:.1} GiB, images up to {} x {} x {} layers\n",
+            "{mark} {index}  {}\n     {}, Vulkan {major}.{minor}.{}, driver {}\n     UUID {}\n     {:.1} GiB, images up to {} x {} x {} layers\n",
             device.name,
             kind_name(device.kind),
             vk::api_version_patch(device.version),
             device.driver,
+            device.hyphenated_uuid(),
             device.memory as f64 / f64::from(1 << 30),
             device.max_side,
             device.max_side,

@@ -32,8 +32,8 @@ const FOOTPRINTS: (f64, f64) = (0.0, LARGEST_FOOTPRINT);
 /// Arguments of `export`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The folder holds the colour table of the surface (table.ktx2, and the same as table.exr), its functions of |w| \
-(table.json), material.json with units, signs, settings, measured errors and check sums, and conformance.csv: 1000 \
+    after_help = "The folder holds the colour table of the surface (table.ktx2, and the same as a plain image, table2d.exr), its functions \
+of |w| (table.json), material.json with units, signs, settings, measured errors and check sums, and conformance.csv: 1000 \
 directions with footprints, their exact colours and those of the table. A port of the reading function is tested by \
 --check and --answers, a CSV file with the columns r, g and b, a row for each row of conformance.csv.
 

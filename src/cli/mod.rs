@@ -16,6 +16,7 @@ mod exported;
 mod finished;
 #[cfg(feature = "viewer")]
 mod last_view;
+mod lights;
 mod manual;
 mod options;
 mod orders;
@@ -104,6 +105,8 @@ enum Command {
     Surface(surface::Command),
     /// Show or remove cached results
     Cache(cache::Arguments),
+    /// Surroundings as directional lights for other programs
+    Lights(lights::Arguments),
     /// List the Vulkan devices, and the reason for the chosen one
     Devices(devices::Arguments),
     /// Show the help of a command
@@ -192,6 +195,7 @@ fn command(command: &Command, console: &Console) -> Result<()> {
         Command::Trade(arguments) => trade::run(arguments, console),
         Command::Surface(command) => surface::run(command, console),
         Command::Cache(arguments) => cache::run(arguments, console),
+        Command::Lights(arguments) => lights::run(arguments, console),
         Command::Devices(arguments) => devices::run(arguments, console),
         Command::Help(arguments) => manual::help(arguments, console),
         Command::Completions(arguments) => manual::completions(arguments, console),

@@ -264,8 +264,8 @@ fn tell_of_missing_light(illuminant: &Illuminant, console: &Console) {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Device")]
 pub struct DeviceOptions {
-    /// Vulkan device: a part of its name, its number in `diffract devices`, or cpu for a software one
-    #[arg(long, value_name = "NAME|INDEX|cpu", value_parser = DeviceChoice::parse, hide_short_help = true)]
+    /// Vulkan device: a part of its name, its UUID, its number in `diffract devices`, or cpu for a software one
+    #[arg(long, value_name = "NAME|UUID|INDEX|cpu", value_parser = DeviceChoice::parse, hide_short_help = true)]
     pub device: Option<DeviceChoice>,
 }
 

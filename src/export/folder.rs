@@ -2,8 +2,8 @@
 
 use super::conformance::Conformance;
 use super::description::{FileSum, MaterialDescription, is_description};
-use super::shader::{self, ShaderLanguage};
-use super::{ExportedMaterial, ktx2, openexr, translation};
+use super::shader::{self, ShaderLanguage, TextureLayout};
+use super::{ExportedMaterial, flat, ktx2, translation};
 use crate::error::{self, Error, Result};
 use crate::input;
 use crate::output::{TEMPORARY, write_failed};
@@ -16,16 +16,24 @@ use std::path::{Path, PathBuf};
 const MATERIAL: &str = "material.json";
 const TABLE: &str = "table.json";
 const TEXELS: &str = "table.ktx2";
-const TEXELS_AS_EXR: &str = "table.exr";
+const FLAT_TEXELS: &str = "table2d.exr";
+const FLAT_FUNCTIONS: &str = "functions.exr";
 const DIRECTIONS: &str = "conformance.csv";
 const FUNCTIONS: &str = "functions.ktx2";
-const SHADER: &str = "material.glsl";
-const SHADER_ES: &str = "material.es.glsl";
-const SHADER_WGSL: &str = "material.wgsl";
-const SHADER_HLSL: &str = "material.hlsl";
-/// The files that the description has sums of.
-const DESCRIBED: [&str; 9] =
-    [TABLE, TEXELS, TEXELS_AS_EXR, DIRECTIONS, FUNCTIONS, SHADER, SHADER_ES, SHADER_WGSL, SHADER_HLSL];
+/// Names of the reading function in GLSL, GLSL ES, WGSL and HLSL.
+const SHADERS: [&str; 4] = ["material.glsl", "material.es.glsl", "material.wgsl", "material.hlsl"];
+/// Names of the function that reads plain images.
+const FLAT_SHADERS: [&str; 4] =
+    ["material2d.glsl", "material2d.es.glsl", "material2d.wgsl", "material2d.hlsl"];
+/// The files that the description has sums of, but for the shaders.
+const DESCRIBED: [&str; 6] = [TABLE, TEXELS, FLAT_TEXELS, DIRECTIONS, FUNCTIONS, FLAT_FUNCTIONS];
+/// Files of exports of former versions.
+const FORMER: [&str; 1] = ["table.exr"];
+
+/// Returns the names of the files that the description has sums of.
+fn described() -> impl Iterator<Item = &'static str> {
+    DESCRIBED.into_iter().chain(SHADERS).chain(FLAT_SHADERS)
+}
 
 /// Fails if an export must not stand at `folder`: asked before long work whose result would be lost.
 ///
@@ -54,7 +62,7 @@ fn may_be_replaced(folder: &Path) -> bool {
     let Ok(entries) = fs::read_dir(folder) else { return false };
     let names: Vec<_> = entries.map(|entry| entry.map(|entry| entry.file_name())).collect();
     let is_ours =
-        |name: &std::ffi::OsString| *name == MATERIAL || DESCRIBED.iter().any(|entry| name == entry);
+        |name: &std::ffi::OsString| described().chain(FORMER).chain([MATERIAL]).any(|entry| name == entry);
     let describes = |text: String| serde_json::from_str(&text).is_ok_and(|value| is_description(&value));
     names.is_empty()
         || names.iter().all(|name| name.as_ref().is_ok_and(is_ours))
@@ -102,14 +110,20 @@ pub fn write(
     };
     add(TABLE, json(&material.table.header)?)?;
     add(TEXELS, ktx2::write(&material.table))?;
-    add(TEXELS_AS_EXR, openexr::write(&material.table)?)?;
+    add(FLAT_TEXELS, flat::write(&material.table)?)?;
     add(DIRECTIONS, material.conformance.to_csv()?.into_bytes())?;
     let header = &material.table.header;
     add(FUNCTIONS, ktx2::write_functions(header))?;
-    add(SHADER, shader::write(header, ShaderLanguage::Glsl).into_bytes())?;
-    add(SHADER_ES, shader::write(header, ShaderLanguage::GlslEs).into_bytes())?;
-    add(SHADER_WGSL, translation::write_wgsl(header)?.into_bytes())?;
-    add(SHADER_HLSL, translation::write_hlsl(header)?.into_bytes())?;
+    add(FLAT_FUNCTIONS, flat::write_functions(header)?)?;
+    for (names, layout) in [(SHADERS, TextureLayout::Array), (FLAT_SHADERS, TextureLayout::Flat)] {
+        let texts = [
+            shader::write(header, ShaderLanguage::Glsl, layout),
+            shader::write(header, ShaderLanguage::GlslEs, layout),
+            translation::write_wgsl(header, layout)?,
+            translation::write_hlsl(header, layout)?,
+        ];
+        names.into_iter().zip(texts).try_for_each(|(name, text)| add(name, text.into_bytes()))?;
+    }
     let text = description.to_text().map_err(not_written)?;
     put(&draft.path().join(MATERIAL), text.as_bytes(), folder)?;
     give_name(draft, folder)
@@ -232,7 +246,7 @@ impl ExportReader {
     /// Same as the other functions.
     pub fn check(&self) -> Result<Conformance> {
         self.table()?;
-        for name in [TEXELS_AS_EXR, FUNCTIONS, SHADER, SHADER_ES, SHADER_WGSL, SHADER_HLSL] {
+        for name in described().filter(|name| ![TABLE, TEXELS, DIRECTIONS].contains(name)) {
             self.file(name)?;
         }
         self.conformance()
@@ -267,7 +281,7 @@ mod tests {
         let folder = place.path().join("material");
         for _ in 0..2 {
             export(&folder).unwrap();
-            let mut expected = [&DESCRIBED[..], &[MATERIAL]].concat();
+            let mut expected: Vec<&str> = described().chain([MATERIAL]).collect();
             expected.sort_unstable();
             assert_eq!(names(&folder), expected);
             assert_eq!(names(place.path()), ["material"]);
@@ -314,7 +328,7 @@ mod tests {
             let checked = ExportReader::open(&folder).and_then(|reader| reader.check());
             checked.unwrap_err().to_string()
         };
-        for name in DESCRIBED {
+        for name in described() {
             let e = reason(name, &|bytes| bytes.truncate(bytes.len() / 2));
             assert!(e.contains("truncated") && e.contains(name), "{e}");
             let e = reason(name, &|bytes| {

@@ -46,9 +46,22 @@ pub fn write(table: &ColorTable) -> Vec<u8> {
     })
 }
 
-/// Returns the container of the functions of |w| and of the angle of the table of `header`: the rows of [`TableHeader::specular_rows`], then the cubics of
-/// each piece in a row, X, Y and Z of one coordinate after the other, then the rows of the limit of energy, if there is one.
+/// Returns the container of the [`function_rows`] of the table of `header`.
 pub fn write_functions(header: &TableHeader) -> Vec<u8> {
+    let texels = function_rows(header);
+    container(&KtxTexture {
+        format: FORMAT_OF_FUNCTIONS,
+        float: size_of::<f32>(),
+        size: [SPECULAR_SAMPLES, texels.len() / SPECULAR_SAMPLES],
+        layers: 0,
+        levels: vec![texels.iter().flatten().flat_map(|number| number.to_le_bytes()).collect()],
+        orientation: "rd",
+    })
+}
+
+/// Returns the functions of |w| and of the angle of the table of `header`, in rows of [`SPECULAR_SAMPLES`] texels: the rows of [`TableHeader::specular_rows`], then the cubics of
+/// each piece in a row, X, Y and Z of one coordinate after the other, then the rows of the limit of energy, if there is one.
+pub fn function_rows(header: &TableHeader) -> Vec<[f32; 4]> {
     let mut texels = header.specular_rows();
     for piece in 0..header.basis.pieces {
         let end = texels.len() + SPECULAR_SAMPLES;
@@ -60,14 +73,7 @@ pub fn write_functions(header: &TableHeader) -> Vec<u8> {
         texels.extend(row.iter().map(|[excess, passed]| [*excess, *passed, 0.0, 0.0]));
         texels.resize(end, [0.0; 4]);
     }
-    container(&KtxTexture {
-        format: FORMAT_OF_FUNCTIONS,
-        float: size_of::<f32>(),
-        size: [SPECULAR_SAMPLES, texels.len() / SPECULAR_SAMPLES],
-        layers: 0,
-        levels: vec![texels.iter().flatten().flat_map(|number| number.to_le_bytes()).collect()],
-        orientation: "rd",
-    })
+    texels
 }
 
 fn container(texture: &KtxTexture<'_>) -> Vec<u8> {

@@ -6,16 +6,17 @@
 //! | `material.json` | [`MaterialDescription`]: units, axes, signs, settings, measured errors, check sums of the other files |
 //! | `table.json` | [`TableHeader`](crate::table::TableHeader): grid, basis, specular order, mean reflectance |
 //! | `table.ktx2` | the texels: a 2D array of RGBA16F with all levels ([`ktx2`]) |
-//! | `table.exr` | the same texels, a part for each layer of each level ([`openexr`]) |
 //! | `functions.ktx2` | the functions of `table.json` as a texture |
+//! | `table2d.exr`, `functions.exr` | the same texels and functions as plain images ([`flat`]) |
 //! | `material.glsl`, `material.es.glsl`, `material.wgsl`, `material.hlsl` | the function that reads the textures ([`shader`], [`translation`]) |
+//! | `material2d.glsl`, … | the function that reads the plain images |
 //! | `conformance.csv` | directions with footprints, their exact colours, and those of the table ([`Conformance`]) |
 
 mod conformance;
 mod description;
+pub mod flat;
 mod folder;
 pub mod ktx2;
-pub mod openexr;
 pub mod page;
 pub mod page_mesh;
 pub mod shader;

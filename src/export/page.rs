@@ -3,7 +3,7 @@
 //! Its parts are in `assets/export`: the document, its style, its script and the shaders that call the exported function.
 
 use super::page_mesh::PageMesh;
-use super::shader::{self, ShaderLanguage};
+use super::shader::{self, ShaderLanguage, TextureLayout};
 use super::{Conformance, ExportedMaterial, ktx2};
 use crate::error::{Error, Result};
 use base64::Engine;
@@ -98,7 +98,7 @@ pub fn write(
             ("directions", &BASE64_STANDARD.encode(directions(&material.conformance))),
             ("mesh", &mesh.map_or_else(String::new, |mesh| BASE64_STANDARD.encode(&mesh.bytes))),
             ("vertex", VERTEX),
-            ("material", &shader::write(header, ShaderLanguage::GlslEs)),
+            ("material", &shader::write(header, ShaderLanguage::GlslEs, TextureLayout::Array)),
             ("color", &display),
             ("scene", SCENE),
             ("mesh shader", MESH),

@@ -1,11 +1,14 @@
-//! The function that reads an export, in GLSL: `material.glsl` for OpenGL and Vulkan, `material.es.glsl` for OpenGL ES 3.0 and WebGL 2.
+//! The function that reads an export, in GLSL: `material.glsl` for OpenGL and Vulkan, `material.es.glsl` for OpenGL ES 3.0 and WebGL 2; `material2d.glsl` and
+//! `material2d.es.glsl` read plain images instead of an array with levels.
 //!
-//! Both are put together from the shaders of this program, `shaders/table.glsl` and what it needs, with the numbers of the table as constants. Every name that they declare
+//! All are put together from the shaders of this program, `shaders/table.glsl` and what it needs, with the numbers of the table as constants. Every name that they declare
 //! begins with `diffract`.
 
+use super::flat::FlatLayout;
+use super::ktx2::function_rows;
 use crate::optics::factor::IndexTriple;
 use crate::optics::polarisation::Polarisation;
-use crate::table::TableHeader;
+use crate::table::{SPECULAR_SAMPLES, TableHeader};
 use std::collections::BTreeSet;
 
 /// Language of a shader.
@@ -17,6 +20,15 @@ pub enum ShaderLanguage {
     GlslEs,
 }
 
+/// Textures that a shader reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureLayout {
+    /// A 2D array with levels, `table.ktx2` and `functions.ktx2`.
+    Array,
+    /// Plain images, `table2d.exr` and `functions.exr`.
+    Flat,
+}
+
 /// Version and precision of each language.
 const GLSL: &str = "#version 450\n";
 const GLSL_ES: &str = "#version 300 es
@@ -26,11 +38,15 @@ precision highp sampler2D;
 precision highp sampler2DArray;
 ";
 
-/// Textures of an export and the type of its numbers.
+/// Type of the numbers of an export.
 const ACCESS: &str = include_str!("../../shaders/export/access.glsl");
+/// Textures of both layouts, and their texels.
+const ARRAY: &str = include_str!("../../shaders/export/array.glsl");
+const FLAT: &str = include_str!("../../shaders/export/flat.glsl");
+/// Shader with the equations of the refractive indices, which follow it.
+const SMALL_SLOPE: &str = include_str!("../../shaders/small_slope.glsl");
 /// Further shaders that the function consists of, each after those that it calls.
-const PARTS: [&str; 7] = [
-    include_str!("../../shaders/small_slope.glsl"),
+const PARTS: [&str; 6] = [
     include_str!("../../shaders/export/access_reads.glsl"),
     include_str!("../../shaders/pair.glsl"),
     include_str!("../../shaders/footprint.glsl"),
@@ -43,26 +59,43 @@ const PARTS: [&str; 7] = [
 const UNROLL: &str = "UNROLL ";
 
 /// Returns the shader that reads the table of `header`. Its last two functions are `diffract_uv` and `diffract_rgb`.
-pub fn write(header: &TableHeader, language: ShaderLanguage) -> String {
+pub fn write(header: &TableHeader, language: ShaderLanguage, layout: TextureLayout) -> String {
     let prelude = match language {
         ShaderLanguage::Glsl => GLSL,
         ShaderLanguage::GlslEs => GLSL_ES,
     };
-    let mut text = ACCESS.to_owned() + &numbers(header);
-    for (number, part) in PARTS.into_iter().enumerate() {
-        text.push('\n');
-        text.push_str(part);
-        if number == 0 {
-            text.push_str(&medium(header));
+    let (files, numbers_of_layout, textures) = match layout {
+        TextureLayout::Array => ("table.ktx2, diffract_functions is functions.ktx2", String::new(), ARRAY),
+        TextureLayout::Flat => {
+            ("table2d.exr, diffract_functions is functions.exr", flat_numbers(header), FLAT)
         }
-    }
+    };
+    let before = [ACCESS, &numbers(header), &numbers_of_layout, "\n", SMALL_SLOPE, &medium(header)].concat();
+    let text = [&before, textures].into_iter().chain(PARTS).collect::<Vec<_>>().join("\n");
     let text = prefixed(&text.replace(UNROLL, ""));
     let about = concat!(
         "// Diffraction of a surface, written by diffract ",
         env!("CARGO_PKG_VERSION"),
-        ". Call diffract_rgb, the last function below.\n// Textures: diffract_table is table.ktx2, diffract_functions is functions.ktx2.\n"
+        ". Call diffract_rgb, the last function below.\n"
     );
-    format!("{prelude}{about}\n{text}")
+    format!("{prelude}{about}// Textures: diffract_table is {files}.\n\n{text}")
+}
+
+/// Returns the definitions of the places of a table in plain images.
+fn flat_numbers(header: &TableHeader) -> String {
+    let FlatLayout { side, layers, columns, .. } = FlatLayout::new(header);
+    format!(
+        "
+const int FLAT_SIDE = {side}; // texels along a side of a layer of the finest level
+const int FLAT_LAYERS = {layers}; // of each level
+const int FLAT_COLUMNS = {columns}; // layers in a row of the finest level
+const int FLAT_HEIGHT = {height}; // lines of table2d.exr
+const int FUNCTIONS_HEIGHT = {functions_height}; // lines of functions.exr
+const bool LAST_ROW_FIRST = false; // set it to true if your loader puts the last line of an image first, as that of three.js does
+",
+        height = FlatLayout::new(header).height(),
+        functions_height = function_rows(header).len() / SPECULAR_SAMPLES,
+    )
 }
 
 /// Returns the definitions of the numbers of a table.
@@ -229,10 +262,16 @@ mod tests {
     #[test]
     fn shaders_of_both_languages_differ_in_their_prelude_alone_and_declare_prefixed_names() {
         let (_, table) = small_table();
-        let glsl = write(&table.header, ShaderLanguage::Glsl);
-        let es = write(&table.header, ShaderLanguage::GlslEs);
-        assert_eq!(glsl.strip_prefix(GLSL).unwrap(), es.strip_prefix(GLSL_ES).unwrap());
-        let found = tokens(&glsl);
+        for layout in [TextureLayout::Array, TextureLayout::Flat] {
+            let glsl = write(&table.header, ShaderLanguage::Glsl, layout);
+            let es = write(&table.header, ShaderLanguage::GlslEs, layout);
+            assert_eq!(glsl.strip_prefix(GLSL).unwrap(), es.strip_prefix(GLSL_ES).unwrap());
+            assert_declares_prefixed_names(&glsl);
+        }
+    }
+
+    fn assert_declares_prefixed_names(glsl: &str) {
+        let found = tokens(glsl);
         let dense: Vec<_> = found.into_iter().filter(|t| !matches!(t, Token::Blank(_))).collect();
         let names = declared(&dense);
         for name in ["diffract_rgb", "diffract_uv", "diffract_table", "diffract_functions", "DiffractPair"] {
@@ -245,8 +284,10 @@ mod tests {
     #[test]
     fn the_place_of_the_cubics_is_that_of_the_functions() {
         let (_, table) = small_table();
-        let rows = table.header.specular_rows().len() / crate::table::SPECULAR_SAMPLES;
+        let rows = table.header.specular_rows().len() / SPECULAR_SAMPLES;
         assert!(numbers(&table.header).contains(&format!("const int FIRST_CUBIC = {rows};")));
-        assert!(ACCESS.contains(&format!("const float COLUMNS = {}.0;", crate::table::SPECULAR_SAMPLES)));
+        assert!(ACCESS.contains(&format!("const float COLUMNS = {}.0;", SPECULAR_SAMPLES)));
+        let side = crate::optics::energy::DirectionGrid::SIDE;
+        assert!(ACCESS.contains(&format!("const float SIDE = {side}.0;")));
     }
 }

@@ -1,6 +1,6 @@
 //! The function that reads an export in WGSL and HLSL, translated from its GLSL by naga.
 
-use super::shader::{self, ShaderLanguage};
+use super::shader::{self, ShaderLanguage, TextureLayout};
 use crate::error::{Error, Result};
 use crate::table::TableHeader;
 use naga::back::{hlsl, wgsl};
@@ -9,13 +9,19 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
 
 /// Declarations of GLSL and those with textures and samplers apart, which both languages have.
-const APART: [(&str, &str); 3] = [
+const APART: [(&str, &str); 4] = [
     ("#ifndef DIFFRACT_LAYOUT\n#define DIFFRACT_LAYOUT(number)\n#endif\n", ""),
     (
         "DIFFRACT_LAYOUT(0) uniform sampler2DArray diffract_table;",
         "layout(set = 0, binding = 0) uniform texture2DArray diffract_table_texture;
 layout(set = 0, binding = 1) uniform sampler diffract_sampler;
 #define diffract_table sampler2DArray(diffract_table_texture, diffract_sampler)",
+    ),
+    (
+        "DIFFRACT_LAYOUT(0) uniform sampler2D diffract_table;",
+        "layout(set = 0, binding = 0) uniform texture2D diffract_table_texture;
+layout(set = 0, binding = 1) uniform sampler diffract_sampler;
+#define diffract_table sampler2D(diffract_table_texture, diffract_sampler)",
     ),
     (
         "DIFFRACT_LAYOUT(1) uniform sampler2D diffract_functions;",
@@ -31,24 +37,23 @@ const MAIN: &str = "void main() {}\n";
 ///
 /// # Errors
 /// Never, because all tables give the same program but for numbers.
-pub fn write_wgsl(header: &TableHeader) -> Result<String> {
-    let (module, info) = parsed(header)?;
+pub fn write_wgsl(header: &TableHeader, layout: TextureLayout) -> Result<String> {
+    let (module, info) = parsed(header, layout)?;
     let text = wgsl::write_string(&module, &info, wgsl::WriterFlags::empty()).map_err(failed)?;
     let about = concat!(
         "// Diffraction of a surface, translated from material.glsl of diffract ",
         env!("CARGO_PKG_VERSION"),
-        ". Call diffract_rgb, the last function below.
-// diffract_table_texture is table.ktx2 with diffract_sampler: linear, nearest between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+        ". Call diffract_rgb, the last function below.\n"
     );
-    Ok(format!("{about}{}", without_main(&text)?))
+    Ok(format!("{about}{}{}", textures(layout, "nearest"), without_main(&text)?))
 }
 
 /// Returns the same in HLSL, shader model 5.1.
 ///
 /// # Errors
 /// Same as [`write_wgsl`].
-pub fn write_hlsl(header: &TableHeader) -> Result<String> {
-    let (module, info) = parsed(header)?;
+pub fn write_hlsl(header: &TableHeader, layout: TextureLayout) -> Result<String> {
+    let (module, info) = parsed(header, layout)?;
     let options = hlsl::Options { fake_missing_bindings: true, ..hlsl::Options::default() };
     let pipeline = hlsl::PipelineOptions::default();
     let mut text = String::new();
@@ -56,15 +61,24 @@ pub fn write_hlsl(header: &TableHeader) -> Result<String> {
     let about = concat!(
         "// Diffraction of a surface, translated from material.glsl of diffract ",
         env!("CARGO_PKG_VERSION"),
-        ". Call diffract_rgb, the last function below; frame is float3x3(T, B, N).
-// diffract_table_texture is table.ktx2 with diffract_sampler: linear, point between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+        ". Call diffract_rgb, the last function below; frame is float3x3(T, B, N).\n"
     );
-    Ok(format!("{about}{}", without_main(&in_plain_hlsl(&text))?))
+    Ok(format!("{about}{}{}", textures(layout, "point"), without_main(&in_plain_hlsl(&text))?))
+}
+
+/// Returns the comment on the textures of `layout`, where the texels of the `nearest` level are read.
+fn textures(layout: TextureLayout, nearest: &str) -> String {
+    match layout {
+        TextureLayout::Array => format!(
+            "// diffract_table_texture is table.ktx2 with diffract_sampler: linear, {nearest} between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+        ),
+        TextureLayout::Flat => "// diffract_table_texture is table2d.exr, diffract_functions_texture is functions.exr; any diffract_sampler does.\n\n".to_owned(),
+    }
 }
 
 /// Parses and validates the GLSL of `header`.
-fn parsed(header: &TableHeader) -> Result<(Module, ModuleInfo)> {
-    let mut text = shader::write(header, ShaderLanguage::Glsl) + MAIN;
+fn parsed(header: &TableHeader, layout: TextureLayout) -> Result<(Module, ModuleInfo)> {
+    let mut text = shader::write(header, ShaderLanguage::Glsl, layout) + MAIN;
     for (combined, apart) in APART {
         text = text.replace(combined, apart);
     }
@@ -148,8 +162,13 @@ mod tests {
     #[test]
     fn wgsl_is_valid_and_ends_with_the_function() {
         let (_, table) = small_table();
-        let text = write_wgsl(&table.header).unwrap();
-        let module = naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text)).unwrap();
+        for layout in [TextureLayout::Array, TextureLayout::Flat] {
+            assert_is_valid_wgsl(&write_wgsl(&table.header, layout).unwrap());
+        }
+    }
+
+    fn assert_is_valid_wgsl(text: &str) {
+        let module = naga::front::wgsl::parse_str(text).map_err(|e| e.emit_to_string(text)).unwrap();
         Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).unwrap();
         let (_, last) = module.functions.iter().last().unwrap();
         assert_eq!(last.name.as_deref(), Some("diffract_rgb"));
@@ -161,8 +180,13 @@ mod tests {
     #[test]
     fn hlsl_has_one_sampler_and_no_heap() {
         let (_, table) = small_table();
-        let text = write_hlsl(&table.header).unwrap();
-        assert_eq!(text.matches("SamplerState").count(), 1, "{text}");
+        for layout in [TextureLayout::Array, TextureLayout::Flat] {
+            assert_is_plain_hlsl(&write_hlsl(&table.header, layout).unwrap());
+        }
+    }
+
+    fn assert_is_plain_hlsl(text: &str) {
+        assert!(text.matches("SamplerState").count() <= 1, "{text}");
         assert!(!text.contains("naga_heap") && !text.contains("Heap"));
         assert!(text.contains("float3 diffract_rgb(") && !text.contains("main("));
         assert!(!text.lines().any(|line| line.starts_with("static const") && line.contains("Construct")));

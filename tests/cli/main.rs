@@ -19,6 +19,7 @@ mod faults;
 mod figures;
 mod hostile_files;
 mod hostile_options;
+mod lights;
 mod maps;
 mod mesh_files;
 mod notes;

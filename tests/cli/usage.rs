@@ -3,7 +3,7 @@
 use crate::sandbox::Sandbox;
 
 /// Every command and what its help has to mention.
-pub const COMMANDS: [(&[&str], &str); 21] = [
+pub const COMMANDS: [(&[&str], &str); 22] = [
     (&["view"], "--fps"),
     (&["render"], "--exposure"),
     (&["eval"], "--queries"),
@@ -21,6 +21,7 @@ pub const COMMANDS: [(&[&str], &str); 21] = [
     (&["surface", "synth"], "--patch"),
     (&["cache"], "clear"),
     (&["cache", "clear"], "Remove"),
+    (&["lights"], "--rotate"),
     (&["devices"], "--device"),
     (&["help"], "COMMAND"),
     (&["completions"], "bash"),

@@ -18,8 +18,12 @@ use diffract::internals::vk::device::Device;
 use diffract::internals::vk::image::{Description, Image};
 use diffract::internals::vk::pipeline::{Code, Pipeline};
 use diffract::internals::vk::sampler::Sampler;
+use exr::prelude::FlatSamples;
+use exr::prelude::ReadChannels;
+use exr::prelude::ReadLayers;
 use glam::DVec3;
 use gpu_allocator::MemoryLocation;
+use half::f16;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -29,6 +33,21 @@ enum Language {
     Glsl,
     Wgsl,
     Hlsl,
+}
+
+/// Textures that a shader reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Layout {
+    Array,
+    Flat,
+}
+
+/// Function that reads an export, and the tangent frame that it is given.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    language: Language,
+    layout: Layout,
+    frame: [[f32; 3]; 3],
 }
 
 /// Answers a question a thread: the end of a program whose begin is the exported shader.
@@ -105,9 +124,47 @@ fn texture(device: &Arc<Device>, reader: &ExportReader, name: &str) -> Image {
     image
 }
 
-/// Compiles the exported shader of `language` with a main function, where `frame` is the tangent frame.
-fn compiled(reader: &ExportReader, language: Language, frame: [[f32; 3]; 3]) -> Vec<u8> {
-    let text = |name: &str| String::from_utf8(reader.file(name).unwrap()).unwrap();
+/// Puts a plain OpenEXR image of `reader` on the device.
+fn plain_texture(device: &Arc<Device>, reader: &ExportReader, name: &str) -> Image {
+    let image = exr::image::read::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(std::io::Cursor::new(reader.file(name).unwrap()))
+        .unwrap();
+    let layer = &image.layer_data;
+    let mut texels = vec![[0f32; 4]; layer.size.area()];
+    for channel in &layer.channel_data.list {
+        let i = ["R", "G", "B", "A"].iter().position(|name| channel.name.eq(name)).unwrap();
+        let values = channel.sample_data.values_as_f32();
+        texels.iter_mut().zip(values).for_each(|(texel, value)| texel[i] = value);
+    }
+    let is_half = matches!(layer.channel_data.list[0].sample_data, FlatSamples::F16(_));
+    let format = if is_half { vk::Format::R16G16B16A16_SFLOAT } else { vk::Format::R32G32B32A32_SFLOAT };
+    let halves: Vec<[f16; 4]> = texels.iter().map(|texel| texel.map(f16::from_f32)).collect();
+    let bytes: &[u8] = if is_half { bytemuck::cast_slice(&halves) } else { bytemuck::cast_slice(&texels) };
+    let description = Description {
+        name,
+        format,
+        size: [layer.size.x() as u32, layer.size.y() as u32],
+        layers: 1,
+        array: false,
+        usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+    };
+    let image = Image::with_levels(device, &description, 1).unwrap();
+    upload::levels(device, &image, 1, &[bytes]).unwrap();
+    image
+}
+
+/// Compiles the exported shader with a main function.
+fn compiled(reader: &ExportReader, Reading { language, layout, frame }: Reading) -> Vec<u8> {
+    let text = |name: &str| {
+        let name =
+            if layout == Layout::Flat { name.replace("material", "material2d") } else { name.to_owned() };
+        String::from_utf8(reader.file(&name).unwrap()).unwrap()
+    };
     let frame = |matrix: &str, vector: &str| {
         let columns = frame.map(|[x, y, z]| format!("{vector}({x:?}, {y:?}, {z:?})"));
         format!("{matrix}({})", columns.join(", "))
@@ -166,14 +223,15 @@ fn by_naga(text: &str) -> Vec<u8> {
     bytemuck::cast_slice(&words).to_vec()
 }
 
-/// Colours by the `language` in the directions of `conformance`.
+/// Colours by a function in the directions of `conformance`.
 fn answers(
     device: &Arc<Device>,
     reader: &ExportReader,
     conformance: &Conformance,
-    (language, frame): (Language, [[f32; 3]; 3]),
+    reading: Reading,
 ) -> Vec<DVec3> {
-    let spirv = &compiled(reader, language, frame);
+    let Reading { language, layout, .. } = reading;
+    let spirv = &compiled(reader, reading);
     let question = |row: &diffract::internals::export::ConformanceRow| {
         let (light, view, [dx, dy]) = (row.pair.light, row.pair.view, row.footprint);
         [light.extend(0.0), view.extend(0.0), dx.extend(dy.x).extend(dy.y)]
@@ -184,8 +242,10 @@ fn answers(
     let asked = Buffer::with_data(device, "questions", storage, bytemuck::cast_slice(&questions)).unwrap();
     let bytes = (questions.len() * 16) as u64;
     let answered = Buffer::new(device, "answers", bytes, storage, MemoryLocation::GpuToCpu).unwrap();
-    let (texels, functions) =
-        (texture(device, reader, "table.ktx2"), texture(device, reader, "functions.ktx2"));
+    let [texels, functions] = match layout {
+        Layout::Array => ["table.ktx2", "functions.ktx2"].map(|name| texture(device, reader, name)),
+        Layout::Flat => ["table2d.exr", "functions.exr"].map(|name| plain_texture(device, reader, name)),
+    };
     let (by_level, nearest) = (
         Sampler::levels(device, "table sampler").unwrap(),
         Sampler::nearest(device, "functions sampler").unwrap(),
@@ -236,7 +296,7 @@ fn answers(
     read.iter().map(|[r, g, b, _]| DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b))).collect()
 }
 
-/// Compares the colours of `language` with the table, and those of a turned frame, which must not agree.
+/// Compares the colours of `language` with the table, from both layouts of the textures, and those of a turned frame, which must not agree.
 fn compare(language: Language) {
     let place = tempfile::tempdir().unwrap();
     let folder = place.path().join("material");
@@ -244,13 +304,22 @@ fn compare(language: Language) {
     let reader = ExportReader::open(&folder).unwrap();
     let conformance = reader.check().unwrap();
     with_device(|device| {
-        let errors =
-            |frame| conformance.errors_of(&answers(device, &reader, &conformance, (language, frame)));
-        let right = errors(STANDARD);
-        eprintln!("{language:?}: {right:?}");
-        assert!(right.within(&PortErrors::RIGHT), "{right:?}");
-        let turned = errors(TURNED);
-        assert!(turned.relative_l2 > 10.0 * PortErrors::RIGHT.relative_l2, "{turned:?}");
+        let colours =
+            |layout, frame| answers(device, &reader, &conformance, Reading { language, layout, frame });
+        for layout in [Layout::Array, Layout::Flat] {
+            let right = conformance.errors_of(&colours(layout, STANDARD));
+            eprintln!("{language:?}, {layout:?}: {right:?}");
+            assert!(right.within(&PortErrors::RIGHT), "{layout:?}: {right:?}");
+            let turned = conformance.errors_of(&colours(layout, TURNED));
+            assert!(turned.relative_l2 > 10.0 * PortErrors::RIGHT.relative_l2, "{layout:?}: {turned:?}");
+        }
+        let pairs = colours(Layout::Flat, STANDARD).into_iter().zip(colours(Layout::Array, STANDARD));
+        let (apart, all) = pairs.fold((0.0, 0.0), |(apart, all), (flat, array)| {
+            (apart + (flat - array).length_squared(), all + array.length_squared())
+        });
+        let apart = (apart / all).sqrt();
+        eprintln!("{language:?}: the layouts differ by {apart:.1e}");
+        assert!(apart < 1e-5, "{apart}");
     });
 }
 

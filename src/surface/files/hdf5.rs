@@ -113,7 +113,7 @@ impl<'a> Attributes<'a> {
 pub struct StoredImage {
     /// The dataset: rows and columns, or all samples in a row.
     pub dataset: Dataset,
-    /// Which of several images, each of which is a column of the dataset.
+    /// Number of the image, if each of several is a column of the dataset.
     pub column: Option<u64>,
     /// Size of one unit of the stored number in `unit`, and value of a stored 0.
     pub scale: [f64; 2],

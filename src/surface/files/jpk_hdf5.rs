@@ -25,7 +25,7 @@ pub const FORMAT: Format = Format {
 const MOST_IMAGES: u64 = 10_000;
 
 /// Size of the images of a measurement.
-struct Grid {
+struct ImageGrid {
     size: [usize; 2],
     spacing: [Option<f64>; 2],
     is_reflected: bool,
@@ -39,7 +39,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
     let root = root(bytes)?;
     let mut found = Vec::new();
     for measurement in groups(&root, "Measurement_")? {
-        let grid = Grid::of(&measurement)?;
+        let grid = ImageGrid::of(&measurement)?;
         for channel in groups(&measurement, "Channel_")? {
             channels(&channel, &grid, &mut found)?;
         }
@@ -62,7 +62,7 @@ fn name(group: &Group) -> &str {
     group.name().rsplit('/').next().unwrap_or_default()
 }
 
-impl Grid {
+impl ImageGrid {
     fn of(measurement: &Group) -> Result<Self> {
         let attributes = Attributes::of_group(measurement)?;
         let number = |name: &str| attributes.number(&format!("position-pattern.grid.{name}"));
@@ -76,7 +76,11 @@ impl Grid {
 }
 
 /// Appends each image of a channel to `found`, with its name.
-fn channels<'a>(group: &Group, grid: &Grid, found: &mut Vec<(String, Result<Channel<'a>>)>) -> Result<()> {
+fn channels<'a>(
+    group: &Group,
+    grid: &ImageGrid,
+    found: &mut Vec<(String, Result<Channel<'a>>)>,
+) -> Result<()> {
     let attributes = Attributes::of_group(group)?;
     let datasets = group.datasets().map_err(explain)?;
     let dataset = datasets.iter().find(|dataset| !dataset.name().ends_with("thumbnail"));

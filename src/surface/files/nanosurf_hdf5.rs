@@ -32,7 +32,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
         let whole = Attributes::of_group(&measurement)?;
         for segment in measurement.groups().map_err(explain)? {
             let own = Attributes::of_group(&segment)?;
-            let Some(grid) = Grid::of(&own).or_else(|| Grid::of(&whole)) else { continue };
+            let Some(grid) = SegmentGrid::of(&own).or_else(|| SegmentGrid::of(&whole)) else { continue };
             let direction = own.text("segment_name").or_else(|| own.text("name")).unwrap_or_default();
             for dataset in segment.datasets().map_err(explain)? {
                 found.extend(channel(&segment, dataset, &direction, &grid));
@@ -45,12 +45,12 @@ pub fn read(bytes: &[u8]) -> Result<Scan<'_>> {
 }
 
 /// Points and lines of an image, and its sides \[m\].
-struct Grid {
+struct SegmentGrid {
     counts: [f64; 2],
     sides: [Option<f64>; 2],
 }
 
-impl Grid {
+impl SegmentGrid {
     /// Returns the grid that `attributes` describe, as either version does.
     fn of(attributes: &Attributes) -> Option<Self> {
         let pair = |x: &str, y: &str| [attributes.number(x), attributes.number(y)];
@@ -69,7 +69,7 @@ fn channel<'a>(
     segment: &Group,
     dataset: Dataset,
     direction: &str,
-    grid: &Grid,
+    grid: &SegmentGrid,
 ) -> Option<(String, Result<Channel<'a>>)> {
     let attributes = Attributes::of_dataset(segment, &dataset);
     let signal = attributes.text("signal_name");
