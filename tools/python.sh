@@ -27,7 +27,7 @@ import re, sys
 text = open("python/pyproject.toml", encoding="utf-8").read()
 def listed(name):
     return re.findall(r'"([^"]+)"', re.search(rf"^{name} = \[(.*?)\]", text, re.MULTILINE | re.DOTALL).group(1))
-print(*listed("requires"), *listed("dependencies"), *(listed("test") if sys.argv[1] == "test" else []), sep="\n")
+print(*listed("requires"), *listed("dependencies"), *listed(sys.argv[1]), sep="\n")
 END
     "$venv/bin/pip" install --quiet --disable-pip-version-check --requirement "$venv/wanted"
     echo "$asked" >"$venv/$1"
@@ -44,12 +44,14 @@ build() {
     ln -sf "$target/debug/lib_diffract.so" "$target/python/diffract/_diffract.abi3.so"
 }
 
+# wheel: linked by zig against the symbols of an old glibc, so that it installs on most Linux systems of the last ten years. MATURIN_ARGUMENTS replaces that, as
+# in MATURIN_ARGUMENTS='--compatibility linux' for this system alone.
 wheel() {
     environment wheel
     python3 tools/licences.py x86_64-unknown-linux-gnu python/Cargo.toml >python/LICENCES-OF-CRATES.txt
     # shellcheck disable=SC2086 # words of the user
-    "$venv/bin/maturin" build --release --locked --manifest-path python/Cargo.toml --target-dir "$target" \
-        --out "$target/wheels" ${MATURIN_ARGUMENTS:-}
+    PATH=$venv/bin:$PATH "$venv/bin/maturin" build --release --locked --manifest-path python/Cargo.toml --target-dir "$target" \
+        --out "$target/wheels" ${MATURIN_ARGUMENTS:---zig --compatibility manylinux2014}
     ls -l "$target/wheels"
 }
 
