@@ -126,8 +126,8 @@ run_python() {
         grep -o '[A-Za-z0-9_-]*\.png' "$2/page.py" >>"$scratch/drawn"
         return
     fi
-    # From stdin, so that processes that it starts do not run it again.
-    if ! (cd "$2/work" && MPLBACKEND=agg python3 - <../page.py) >"$2/printed" 2>"$2/told"; then
+    # Not from a file, which processes that it starts would run again.
+    if ! (cd "$2/work" && MPLBACKEND=agg python3 -c "$(cat ../page.py)") >"$2/printed" 2>"$2/told"; then
         cat "$2/told" >&2
         echo "book: $1: its blocks of Python fail" >&2
         exit 1

@@ -85,6 +85,7 @@ def test_the_version_has_one_place():
     program = version("Cargo.toml", r'^version = "(.*)"')
     assert diffract.__version__ == program
     assert version("CITATION.cff", r"^version: (.*)") == program
+    assert version("integrations/three/package.json", r'"version": "(.*)"') == program
 
 
 def test_a_cluster_of_four_workers_with_a_shared_cache_answers_bit_by_bit(scratch):
