@@ -122,10 +122,8 @@ export async function loadDiffract(folder, { along = [1, 0, 0], turn = 0 } = {})
         image(at("functions.exr"), THREE.FloatType),
         text(),
     ]);
-    const glsl = reading
-        .replace(/^#version.*\n/, "")
-        // EXRLoader puts the last line first.
-        .replace("DIFFRACT_LAST_ROW_FIRST = false", "DIFFRACT_LAST_ROW_FIRST = true");
+    // EXRLoader puts the last line first.
+    const glsl = reading.replace("DIFFRACT_LAST_ROW_FIRST = false", "DIFFRACT_LAST_ROW_FIRST = true");
     return new THREE.ShaderMaterial({
         name: "diffract",
         lights: true,

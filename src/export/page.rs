@@ -98,7 +98,13 @@ pub fn write(
             ("directions", &BASE64_STANDARD.encode(directions(&material.conformance))),
             ("mesh", &mesh.map_or_else(String::new, |mesh| BASE64_STANDARD.encode(&mesh.bytes))),
             ("vertex", VERTEX),
-            ("material", &shader::write(header, ShaderLanguage::GlslEs, TextureLayout::Array)),
+            (
+                "material",
+                &format!(
+                    "#version 300 es\n{}",
+                    shader::write(header, ShaderLanguage::GlslEs, TextureLayout::Array)
+                ),
+            ),
             ("color", &display),
             ("scene", SCENE),
             ("mesh shader", MESH),

@@ -29,9 +29,8 @@ pub enum TextureLayout {
     Flat,
 }
 
-/// Version and precision of each language.
-const GLSL: &str = "#version 450\n";
-const GLSL_ES: &str = "#version 300 es
+/// Precision of the numbers of GLSL ES.
+const GLSL_ES: &str = "\
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -60,9 +59,9 @@ const UNROLL: &str = "UNROLL ";
 
 /// Returns the shader that reads the table of `header`. Its last two functions are `diffract_uv` and `diffract_rgb`.
 pub fn write(header: &TableHeader, language: ShaderLanguage, layout: TextureLayout) -> String {
-    let prelude = match language {
-        ShaderLanguage::Glsl => GLSL,
-        ShaderLanguage::GlslEs => GLSL_ES,
+    let (version, precision) = match language {
+        ShaderLanguage::Glsl => ("#version 450", ""),
+        ShaderLanguage::GlslEs => ("#version 300 es", GLSL_ES),
     };
     let (files, numbers_of_layout, textures) = match layout {
         TextureLayout::Array => ("table.ktx2, diffract_functions is functions.ktx2", String::new(), ARRAY),
@@ -78,7 +77,8 @@ pub fn write(header: &TableHeader, language: ShaderLanguage, layout: TextureLayo
         env!("CARGO_PKG_VERSION"),
         ". Call diffract_rgb, the last function below.\n"
     );
-    format!("{prelude}{about}// Textures: diffract_table is {files}.\n\n{text}")
+    let place = format!("// It stands behind {version}, or what your program puts in front of shaders.\n");
+    format!("{about}// Textures: diffract_table is {files}.\n{place}\n{precision}{text}")
 }
 
 /// Returns the definitions of the places of a table in plain images.
@@ -260,12 +260,13 @@ mod tests {
     }
 
     #[test]
-    fn shaders_of_both_languages_differ_in_their_prelude_alone_and_declare_prefixed_names() {
+    fn shaders_of_both_languages_differ_in_their_precision_alone_and_declare_prefixed_names() {
         let (_, table) = small_table();
         for layout in [TextureLayout::Array, TextureLayout::Flat] {
             let glsl = write(&table.header, ShaderLanguage::Glsl, layout);
             let es = write(&table.header, ShaderLanguage::GlslEs, layout);
-            assert_eq!(glsl.strip_prefix(GLSL).unwrap(), es.strip_prefix(GLSL_ES).unwrap());
+            assert_eq!(glsl.replace("#version 450", "#version 300 es"), es.replace(GLSL_ES, ""));
+            assert!(!glsl.lines().chain(es.lines()).any(|line| line.starts_with("#version")));
             assert_declares_prefixed_names(&glsl);
         }
     }

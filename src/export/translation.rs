@@ -78,7 +78,7 @@ fn textures(layout: TextureLayout, nearest: &str) -> String {
 
 /// Parses and validates the GLSL of `header`.
 fn parsed(header: &TableHeader, layout: TextureLayout) -> Result<(Module, ModuleInfo)> {
-    let mut text = shader::write(header, ShaderLanguage::Glsl, layout) + MAIN;
+    let mut text = format!("#version 450\n{}{MAIN}", shader::write(header, ShaderLanguage::Glsl, layout));
     for (combined, apart) in APART {
         text = text.replace(combined, apart);
     }
@@ -105,7 +105,7 @@ fn without_main(text: &str) -> Result<&str> {
     end.map(|end| &text[..end]).ok_or_else(|| not_translated(&"it has no end"))
 }
 
-/// Returns naga's HLSL `text` without what only a program of wgpu has, or only some compilers take.
+/// Returns naga's HLSL `text` without what only a program of wgpu has, or only some compilers take, and with names that begin with `diffract`.
 fn in_plain_hlsl(text: &str) -> String {
     /// naga's heap of all samplers, which programs of others do not have.
     const HEAP: [&str; 3] =
@@ -121,7 +121,28 @@ fn in_plain_hlsl(text: &str) -> String {
             format!("{line}\n")
         }
     };
-    text.lines().map(line).collect()
+    prefixed(&text.lines().map(line).collect::<String>())
+}
+
+/// Gives naga's helpers in `text` the prefix of all other names.
+fn prefixed(text: &str) -> String {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut written = String::with_capacity(text.len() * 11 / 10);
+    let mut rest = text;
+    while !rest.is_empty() {
+        let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
+        let (word, after) = rest.split_at(end);
+        written.push_str(match word {
+            word if word.starts_with("Construct") => "Diffract",
+            word if word.starts_with("naga_") || word.starts_with("ret_Construct") => "diffract_",
+            _ => "",
+        });
+        written.push_str(word);
+        let next = after.find(is_word).unwrap_or(after.len());
+        written.push_str(&after[..next]);
+        rest = &after[next..];
+    }
+    written
 }
 
 /// Returns true for a member that pads a structure for buffers. These structures stand in none, and lists of their members leave it out.
@@ -188,8 +209,15 @@ mod tests {
     fn assert_is_plain_hlsl(text: &str) {
         assert!(text.matches("SamplerState").count() <= 1, "{text}");
         assert!(!text.contains("naga_heap") && !text.contains("Heap"));
+        for line in text.lines().filter(|line| line.ends_with(") {") && !line.starts_with(' ')) {
+            let name =
+                line.split(['(']).next().and_then(|head| head.split(' ').next_back()).unwrap_or_default();
+            assert!(name.to_lowercase().starts_with("diffract"), "{line}");
+        }
         assert!(text.contains("float3 diffract_rgb(") && !text.contains("main("));
-        assert!(!text.lines().any(|line| line.starts_with("static const") && line.contains("Construct")));
+        assert!(
+            !text.lines().any(|line| line.starts_with("static const") && line.contains("DiffractConstruct"))
+        );
     }
 
     #[test]

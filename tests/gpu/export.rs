@@ -172,7 +172,10 @@ fn compiled(reader: &ExportReader, Reading { language, layout, frame }: Reading)
     match language {
         Language::Glsl => {
             let main = GLSL_MAIN.replace("FRAME", &frame("mat3", "vec3"));
-            by_glslang(&(text("material.glsl") + &main), shaderc::SourceLanguage::GLSL)
+            by_glslang(
+                &format!("#version 450\n{}{main}", text("material.glsl")),
+                shaderc::SourceLanguage::GLSL,
+            )
         }
         Language::Hlsl => {
             let main = HLSL_MAIN.replace("FRAME", &frame("float3x3", "float3"));
