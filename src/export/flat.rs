@@ -83,7 +83,7 @@ pub fn write(table: &ColorTable) -> Result<Vec<u8>> {
 /// Returns the file of the functions of the table of `header`.
 ///
 /// # Errors
-/// Same as [`write`].
+/// Same as [`write()`].
 pub fn write_functions(header: &TableHeader) -> Result<Vec<u8>> {
     let texels = function_rows(header);
     let channel = |i: usize| FlatSamples::F32(texels.iter().map(|texel| texel[i]).collect());
