@@ -29,9 +29,9 @@ pub struct Arguments {
     /// Largest number of lights
     #[arg(short = 'n', long, value_name = "N", default_value = "64", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true)]
     count: u32,
-    /// Turn of the surroundings about the vertical, from +x toward +y
+    /// Rotation of the surroundings about the vertical, from +x toward +y, as in 90deg
     #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true, default_value = "0deg")]
-    rotate: f64,
+    rotate_environment: f64,
     /// File of the result instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -77,7 +77,7 @@ impl LightReport {
 pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let environment = Environment::open(&arguments.environment)
         .map_err(|e| e.at(arguments.environment.to_string_lossy()))?
-        .placed(Placement::new(arguments.rotate, 0.0)?);
+        .placed(Placement::new(arguments.rotate_environment, 0.0)?);
     if let Some(note) = environment.note() {
         console.say(&note);
     }

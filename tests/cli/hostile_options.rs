@@ -262,6 +262,7 @@ fn sound(command: &[&str]) -> Vec<&'static str> {
         }
         ["surface", "convert"] => [&SURFACE[..], &["--output", "out.gsf"]].concat(),
         ["surface", "synth"] => vec!["blaze", "--output", "out.png"],
+        ["lights"] => vec!["sky", "--output", "out.png"],
         ["completions"] => vec!["bash"],
         ["manual"] => vec!["folder.png"],
         _ => vec![],

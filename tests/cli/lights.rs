@@ -51,7 +51,7 @@ fn a_bright_pixel_is_light_from_its_direction_and_turns_with_the_surroundings() 
     let (theta, phi) = (PI * 1.5 / 4.0, -PI / 8.0);
     let solid_angle = PI / 4.0 * ((PI / 4.0).cos() - (PI / 2.0).cos());
     for turn in [0.0, 90.0] {
-        let rotation = format!("--rotate={turn}deg");
+        let rotation = format!("--rotate-environment={turn}deg");
         let list = lights(&sandbox, &["spot.hdr", "-n", "4", &rotation]);
         let azimuth = phi + f64::to_radians(turn);
         let expected = [theta.sin() * azimuth.cos(), theta.sin() * azimuth.sin(), theta.cos()];

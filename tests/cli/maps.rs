@@ -98,7 +98,9 @@ impl Subject {
     #[track_caller]
     fn map(&self, [theta, phi]: [f64; 2], setting: &str, side: usize) -> Vec<DVec3> {
         let rest = format!("--light {theta},{phi} --size {side}x{side} -o m.exr {setting}");
-        let words = ["brdf"].into_iter().chain(self.words.iter().map(String::as_str)).chain(rest.split(' '));
+        // Quiet, because a busy machine says that it takes long.
+        let words =
+            ["-q", "brdf"].into_iter().chain(self.words.iter().map(String::as_str)).chain(rest.split(' '));
         self.sandbox.run(words).done();
         let picture = image::open(self.sandbox.path("m.exr")).unwrap().to_rgba32f();
         let pixels: Vec<_> = picture.pixels().map(|p| p.0.map(f64::from)).collect();

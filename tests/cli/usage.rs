@@ -21,7 +21,7 @@ pub const COMMANDS: [(&[&str], &str); 22] = [
     (&["surface", "synth"], "--patch"),
     (&["cache"], "clear"),
     (&["cache", "clear"], "Remove"),
-    (&["lights"], "--rotate"),
+    (&["lights"], "--rotate-environment"),
     (&["devices"], "--device"),
     (&["help"], "COMMAND"),
     (&["completions"], "bash"),
