@@ -1,6 +1,8 @@
 //! The command line: one file per command; raw arguments in, validated settings with units out.
 
 mod answer;
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod arena;
 mod benchmark;
 mod brdf;
 mod cache;
@@ -119,6 +121,8 @@ enum Command {
 
 /// Runs the program on the arguments, the streams, the cache and the threads of the process.
 pub fn main() -> ExitCode {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    arena::share();
     let context = Context::new().with_validation(wants_validation());
     let console = Console::new(std::env::args_os().collect(), Streams::of_process(), context);
     ExitCode::from(finish(&console, || obey(&console, threads::start)))

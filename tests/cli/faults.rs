@@ -413,7 +413,7 @@ fn with_little_memory_the_work_is_done_or_refused_and_never_hangs_or_aborts() {
         ["eval", "blaze", "--queries", "q.csv", "--method", "reference", "--coherence", "gaussian:5um"];
     let mut done = 0;
     // From what the program itself takes to what it takes with threads [KiB].
-    for limit in (100_000..300_000).step_by(25_000) {
+    for limit in (100_000..300_000).step_by(10_000) {
         let outcome = limited(&sandbox, &format!("ulimit -v {limit}"), &words);
         match outcome.code {
             Some(0) => done += 1,

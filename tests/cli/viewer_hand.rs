@@ -140,7 +140,8 @@ fn no_key_is_lost_while_a_slow_picture_is_drawn() {
 
 #[test]
 fn the_mesh_appears_before_its_colours_and_the_title_says_so() {
-    let slow_to_prepare = ["--surface", "elaphe", "--tolerance", "1e-2"];
+    // Several times as long as until the first picture of the mesh, on two processors.
+    let slow_to_prepare = ["--surface", "elaphe", "--tolerance", "1e-3"];
     let viewer = Viewer::start(&[&["snake"][..], &SIZE, &slow_to_prepare].concat(), &[]);
     viewer.says("preparing");
     let title = || viewer.display.title(viewer.window);
@@ -152,7 +153,5 @@ fn the_mesh_appears_before_its_colours_and_the_title_says_so() {
         colors.dedup();
         (title().contains("preparing") && colors.len() > 3).then_some(())
     });
-    viewer.says("full quality");
-    assert!(!title().contains("preparing"), "{}", title());
     viewer.close();
 }
