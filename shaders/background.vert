@@ -11,5 +11,5 @@ void main() {
     // The block is that of one sample; the background is seen at the pixel centres.
     vec2 moved = -frame.grooves.zw * frame.at.jitter;
     vec4 far = inverse(frame.clip_from_world) * (gl_Position + vec4(moved, 0.0, 0.0));
-    toward = far.xyz / far.w - frame.eye.xyz;
+    toward = -toward_viewer(far.xyz / far.w);
 }

@@ -27,10 +27,15 @@ const int LIGHT_SLOTS = 32; // of src/render/frame_set.rs
 
 layout(set = 0, binding = 0, std140) uniform Frame {
     mat4 clip_from_world;
-    vec4 eye;                       // xyz: position of the viewer in the world
+    vec4 viewer;                    // in the world, homogeneous: w = 0 for a direction toward an orthographic camera
     vec4 base_color;                // rgb: albedo of the pigment, linear sRGB; w: 1 if the pigment texture is used
     vec4 grooves;                   // xy: cosine and sine of a constant angle of the patch; zw: size of a pixel in clip space
     vec4 surroundings;              // xy: cosine and sine of rotation; z: value of a stored 1; w: specular variance
     Sample at;                      // sample of the picture
     Light lights[LIGHT_SLOTS];      // lights that are drawn together, or directions of one light
 } frame;
+
+// Returns the vector from a point to the viewer; of length 1 for an orthographic camera.
+vec3 toward_viewer(vec3 point) {
+    return frame.viewer.xyz - frame.viewer.w * point;
+}

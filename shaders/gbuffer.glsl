@@ -96,10 +96,10 @@ mat2x3 moves_on_plane(SurfacePoint at, vec3 normal) {
 // Returns the differences of the direction to the viewer in the right-handed frame, to the right and downward. On the
 // plane that is parallel to the picture, the viewing ray moves by the same vector from each pixel to the next.
 mat2x3 view_differences(SurfacePoint at) {
-    vec3 to_eye = frame.eye.xyz - at.position;
-    mat2x3 moves = moves_on_plane(at, transpose(frame.clip_from_world)[3].xyz);
-    vec3 here = rotated(at.rotation, normalize(to_eye)); // whose cosine has no lower bound
+    vec3 to_viewer = toward_viewer(at.position);
+    mat2x3 moves = frame.viewer.w * moves_on_plane(at, transpose(frame.clip_from_world)[2].xyz);
+    vec3 here = rotated(at.rotation, normalize(to_viewer)); // whose cosine has no lower bound
     return mat2x3(
-        difference(at, at.curving_right, at.toward.x, here, normalize(to_eye - at.toward.x * moves[0])),
-        difference(at, at.curving_down, at.toward.y, here, normalize(to_eye - at.toward.y * moves[1])));
+        difference(at, at.curving_right, at.toward.x, here, normalize(to_viewer - at.toward.x * moves[0])),
+        difference(at, at.curving_down, at.toward.y, here, normalize(to_viewer - at.toward.y * moves[1])));
 }

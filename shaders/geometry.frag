@@ -74,8 +74,8 @@ vec2 groove_turn() {
 // error is 5e-3.
 vec3 orthonormal_view(Tangents at) {
     if (!at.usable) {
-        vec3 to_eye = frame.eye.xyz - world;
-        return vec3(dot(at.tangent, to_eye), at.sense * dot(at.bitangent, to_eye), dot(at.normal, to_eye));
+        vec3 to_viewer = toward_viewer(world);
+        return vec3(dot(at.tangent, to_viewer), at.sense * dot(at.bitangent, to_viewer), dot(at.normal, to_viewer));
     }
     float z = view.z / length(world_normal);
     float skew = dot(world_tangent, at.normal);
@@ -139,7 +139,7 @@ void main() {
     vec3 down = rotation_of(mat3(x, y, z), mat3(dFdyFine(x), dFdyFine(y), dFdyFine(z)));
     vec3 direction = orthonormal_view(at);
     direction.xy = vec2(dot(turn, direction.xy), turn.x * direction.y - turn.y * direction.x);
-    normal = dot(normal, frame.eye.xyz - world) < 0.0 ? -normal : normal;
+    normal = dot(normal, toward_viewer(world)) < 0.0 ? -normal : normal;
     // If the back of a surface is seen, as of a mesh with inward winding, the frame is turned about the patch's x.
     bool back = dot(world_normal, normal) < 0.0;
     vec3 turned = back ? vec3(1.0, -1.0, -1.0) : vec3(1.0);

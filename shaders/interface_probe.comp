@@ -18,7 +18,7 @@ void main() {
     for (int i = 0; i < 4; ++i) {
         answers[n++] = frame.clip_from_world[i];
     }
-    answers[n++] = frame.eye;
+    answers[n++] = frame.viewer;
     answers[n++] = frame.base_color;
     answers[n++] = frame.grooves;
     answers[n++] = frame.surroundings;

@@ -155,9 +155,9 @@ Footprint footprint_of(SurfacePoint at, mat2x3 views, Light light, vec3 to_light
 // Returns the radiance of the surroundings in the mirrored direction, averaged over the pixel and over the spread of
 // the specular order; 0 if the direction points into the surface. `changes`: differences of the direction to the viewer.
 vec3 mirrored_radiance(SurfacePoint at, mat2x3 changes, Light light) {
-    vec3 to_eye = normalize(frame.eye.xyz - at.position);
+    vec3 to_viewer = normalize(toward_viewer(at.position));
     vec3 normal = rotated(-at.rotation, vec3(0.0, 0.0, 1.0));
-    vec3 mirrored = 2.0 * dot(to_eye, normal) * normal - to_eye;
+    vec3 mirrored = 2.0 * dot(to_viewer, normal) * normal - to_viewer;
     if (dot(mirrored, at.face) <= 0.0) {
         return vec3(0.0);
     }

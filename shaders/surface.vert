@@ -10,7 +10,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 tangent; // w: handedness, B = w N x T
 layout(location = 3) in vec2 uv;
 
-layout(location = 0) out vec3 view; // not normalised: its length is the distance of the viewer
+layout(location = 0) out vec3 view; // not normalised: its length is the distance of an eye
 layout(location = 1) out vec2 pigment_uv;
 layout(location = 2) out vec3 world;
 layout(location = 3) out vec3 world_normal;
@@ -22,7 +22,7 @@ void main() {
     world_tangent = tangent.xyz;
     world_bitangent = tangent.w * cross(normal, tangent.xyz);
     mat3 tangent_from_world = transpose(mat3(world_tangent, world_bitangent, world_normal));
-    view = tangent_from_world * (frame.eye.xyz - position);
+    view = tangent_from_world * toward_viewer(position);
     pigment_uv = vec2(uv.x, 1.0 - uv.y); // v grows upward in meshes, rows of a texture downward
     world = position;
     gl_Position = frame.clip_from_world * vec4(position, 1.0);

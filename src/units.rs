@@ -103,11 +103,34 @@ pub fn angle(text: &str) -> Result<f64> {
 pub fn triple(text: &str) -> Result<[f64; 3]> {
     /// Largest absolute value, the same as for coordinates of meshes: squares still fit an `f32`.
     const LARGEST: f64 = 1e9;
-    let numbers: Option<Vec<f64>> =
-        text.split(',').map(|field| number(field.trim()).filter(|x| x.abs() <= LARGEST)).collect();
-    numbers
-        .and_then(|n| n.try_into().ok())
+    numbers(text)
+        .filter(|numbers: &[f64; 3]| numbers.iter().all(|x| x.abs() <= LARGEST))
         .ok_or_else(|| Error::usage(format!("'{text}' is not three numbers"), "write X,Y,Z as in 0.3,1.7,-2"))
+}
+
+/// Parses two finite numbers such as `0.3,-0.2`.
+///
+/// # Errors
+/// Another number of fields, or one that is no number.
+pub fn pair(text: &str) -> Result<[f64; 2]> {
+    numbers(text)
+        .ok_or_else(|| Error::usage(format!("'{text}' is not two numbers"), "write X,Y as in 0.3,-0.2"))
+}
+
+/// Parses a positive number such as `2.5`.
+///
+/// # Errors
+/// Text that is no number, and numbers that are not positive.
+pub fn positive(text: &str) -> Result<f64> {
+    number(text.trim())
+        .filter(|&x| x > 0.0)
+        .ok_or_else(|| Error::usage(format!("'{text}' is not a positive number"), "write it as in 2.5"))
+}
+
+/// Returns exactly `N` numbers that commas separate.
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|field| number(field.trim())).collect();
+    numbers?.try_into().ok()
 }
 
 /// Parses a colour as three numbers from 0 to 1, linear sRGB.

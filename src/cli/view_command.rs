@@ -9,7 +9,7 @@ use crate::optics::reflectance::{DielectricLaw, Reflectance};
 use crate::optics::theory::Theory;
 use crate::output;
 use crate::picture_file::quoted;
-use crate::scene::{DisplaySettings, Grooves, Scene, SceneOverrides};
+use crate::scene::{DisplaySettings, Grooves, Lens, LensProjection, Scene, SceneOverrides};
 use crate::surface::SurfaceSource;
 use crate::surface::prepare::{Levelling, PreparationStep};
 use crate::viewer::{Output, ViewSettings};
@@ -125,9 +125,25 @@ impl Words {
         if *camera != scene.camera {
             words.option("eye", ViewSettings::triple(camera.eye()));
             words.option("target", ViewSettings::triple(camera.target));
-            if camera.field_of_view != scene.camera.field_of_view {
-                words.option("field-of-view", format!("{}deg", f64::from(camera.field_of_view).to_degrees()));
+            words.lens(&camera.lens, &scene.camera.lens);
+        }
+    }
+
+    /// Adds the options of `lens` that differ from `old`.
+    fn lens(&mut self, lens: &Lens, old: &Lens) {
+        let degrees = |radians: f32| format!("{}deg", f64::from(radians).to_degrees());
+        match lens.projection {
+            projection if projection == old.projection => {}
+            LensProjection::Perspective { field_of_view } => {
+                self.option("field-of-view", degrees(field_of_view))
             }
+            LensProjection::Orthographic { height } => self.option("orthographic", height.to_string()),
+        }
+        if lens.roll != old.roll {
+            self.option("roll", degrees(lens.roll));
+        }
+        if lens.shift != old.shift {
+            self.option("lens-shift", format!("{},{}", lens.shift[0], lens.shift[1]));
         }
     }
 

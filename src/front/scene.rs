@@ -3,7 +3,9 @@
 use crate::error::{Error, Result};
 use crate::scene::environment::{Environment, Placement};
 use crate::scene::object::{MeshSource, Pose, Up, check_colors};
-use crate::scene::{Background, Bounds, Camera, Corner, Grooves, Light, Mesh, Object, Scene, SceneOverrides};
+use crate::scene::{
+    Background, Bounds, Camera, Corner, Grooves, Lens, Light, Mesh, Object, Scene, SceneOverrides,
+};
 use crate::surface::SurfaceSource;
 use crate::task::Task;
 use std::path::Path;
@@ -42,7 +44,10 @@ impl Scene {
     /// Fails for an eye at the target, and an angle not within 1 to 170.
     pub fn with_camera(self, eye: [f64; 3], target: [f64; 3], angle: f64) -> Result<Self> {
         let [eye, target] = [eye, target].map(|place| place.map(|x| x as f32).into());
-        Ok(Self { camera: Camera::looking(eye, target, angle.to_radians() as f32)?, ..self })
+        Ok(Self {
+            camera: Camera::looking(eye, target, Lens::perspective(angle.to_radians() as f32))?,
+            ..self
+        })
     }
 
     /// Returns the scene with these lights instead of its own.

@@ -141,21 +141,19 @@ pub fn median_pixel_area(renderer: &mut Renderer, view: &View) -> Result<Option<
 fn pixel_areas(view: &View, size: [u32; 2], depth: &[f32], to_view: &[[f32; 4]]) -> Vec<f64> {
     let camera = &view.camera;
     let world_from_clip = view.clip_from_world(size).as_dmat4().inverse();
-    let eye = camera.eye().as_dvec3();
-    let forward = (camera.target.as_dvec3() - eye).normalize_or_zero();
-    // Side of a pixel on the plane at distance 1 from the eye.
-    let side = 2.0 * (f64::from(camera.field_of_view) / 2.0).tan() / f64::from(size[1]);
+    // Side of a pixel in the plane at distance 1 from the eye.
+    let side = f64::from(camera.height_at(1.0)) / f64::from(size[1]);
     let area = |(pixel, (depth, to_view)): (usize, (&f32, &[f32; 4]))| {
         let [covered, cosine] = [to_view[3], to_view[2]];
         if covered == 0.0 || cosine <= 0.0 {
             return None;
         }
         let place = pixel_in_clip(pixel, size).extend((*depth).into());
-        let seen = world_from_clip.project_point3(place) - eye;
+        let to_viewer = camera.toward_viewer(world_from_clip.project_point3(place));
         // A pixel `side` wide at distance 1 subtends the solid angle side² cos³ of the off-axis angle, and the distance
-        // from the eye is `along` over that cosine.
-        let along = seen.dot(forward);
-        let off_axis = along / seen.length();
+        // from the eye is `along` over that cosine. For an orthographic camera `along` is 1, and so is the cosine.
+        let along = -to_viewer.dot(camera.forward());
+        let off_axis = along / to_viewer.length();
         Some(along.powi(2) * side.powi(2) * off_axis / f64::from(cosine))
     };
     depth.iter().zip(to_view).enumerate().filter_map(area).collect()

@@ -177,8 +177,7 @@ impl View {
     /// Returns the sphere that depth maps cover in pictures of `size` pixels.
     pub fn shadow_sphere(&self, size: [u32; 2]) -> ShadowSphere {
         let distance = self.camera.eye().distance(self.centre);
-        let pixel_at =
-            |distance: f32| 2.0 * distance * (0.5 * self.camera.field_of_view).tan() / size[1].max(1) as f32;
+        let pixel_at = |distance: f32| self.camera.height_at(distance) / size[1].max(1) as f32;
         let nearest = (distance - self.radius).max(0.0);
         ShadowSphere {
             centre: self.centre,
@@ -204,7 +203,7 @@ impl View {
         let (turn, parts) = pass.choices.map_or((0, 0), |choices| (choices.turn, choices.parts));
         FrameBlock {
             clip_from_world: camera::jittered(clip_from_world, size, pass.sample.jitter).to_cols_array_2d(),
-            eye: self.camera.eye().extend(0.0).to_array(),
+            viewer: self.camera.viewer().as_vec4().to_array(),
             lights,
             base_color: [0.0; 4],
             grooves: [0.0, 0.0, 2.0 / size[0] as f32, 2.0 / size[1] as f32],

@@ -32,7 +32,7 @@ pub struct FrameBlock {
     /// World to clip space, column by column.
     pub clip_from_world: [[f32; 4]; 4],
     /// Position of the viewer; w unused.
-    pub eye: [f32; 4],
+    pub viewer: [f32; 4],
     /// Albedo of the pigment; w: 1 if the texture is used.
     pub base_color: [f32; 4],
     /// Cosine and sine of the angle by which the patch is turned, if the angle is constant over the object; size of a

@@ -24,7 +24,7 @@ use crate::scene::incident::mean_cosine;
 use crate::settings::Optics;
 use crate::surface::HeightField;
 use crate::task::Task;
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -277,12 +277,9 @@ pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: S
     let Some(environment) = view.background() else {
         return displayed(radiance, shown);
     };
-    let world = view.clip_from_world(size).as_dmat4().inverse();
-    let eye = view.camera.eye().as_dvec3();
     displayed_before(radiance, shown, &|i| {
-        /// Any depth gives the same ray from the eye.
-        const DEPTH: f64 = 0.5;
-        let toward = (world.project_point3(pixel_in_clip(i, size).extend(DEPTH)) - eye).normalize();
+        let place = (pixel_in_clip(i, size) + 1.0) / 2.0 * DVec2::new(size[0].into(), size[1].into());
+        let toward = view.camera.sight(place, size).direction.normalize();
         shown.tone.map(environment.radiance(toward) * shown.exposure.exp2())
     })
 }

@@ -1,8 +1,11 @@
 //! The document of a scene file: its keys and their forms, read and written by one definition.
 
+use super::camera::Camera;
 use super::display_settings::Background;
+use super::lens::Lens;
 use super::object::Up;
 use super::scene_options::FileOptions;
+use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::units;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -98,7 +101,35 @@ pub(super) struct ObjectDocument {
 pub(super) struct CameraDocument {
     pub eye: Triple<f32>,
     pub target: Triple<f32>,
-    pub field_of_view: String,
+    /// Vertical field of view of a perspective camera.
+    pub field_of_view: Option<String>,
+    /// Height of what an orthographic camera shows.
+    pub height: Option<f32>,
+    pub roll: Option<String>,
+    pub shift: Option<[f32; 2]>,
+}
+
+impl CameraDocument {
+    /// Returns the camera.
+    ///
+    /// # Errors
+    /// Angles that are none, numbers out of range, and anything but one of field of view and height.
+    pub fn camera(&self) -> Result<Camera> {
+        let radians = |text: &String| Ok::<_, Error>(units::angle(text)?.to_radians() as f32);
+        let lens = match (&self.field_of_view, self.height) {
+            (Some(angle), None) => Lens::perspective(radians(angle)?),
+            (None, Some(height)) => Lens::orthographic(height),
+            _ => {
+                return Err(Error::input(
+                    "the camera has not one of field_of_view and height",
+                    "give a field_of_view, as in \"35deg\", or the height of what an orthographic camera shows",
+                ));
+            }
+        };
+        let roll = self.roll.as_ref().map_or(Ok(0.0), radians)?;
+        let lens = Lens { roll, shift: self.shift.unwrap_or_default(), ..lens };
+        Camera::looking(self.eye.0.into(), self.target.0.into(), lens)
+    }
 }
 
 /// Surroundings of a scene file: `sky`, `studio` or a picture, with rotation and exposure.

@@ -192,7 +192,9 @@ impl Scene {
         /// Radius of the framed sphere relative to that of the mesh.
         const AIR: f32 = 1.1;
         scene.camera.target = bounds.centre;
-        scene.camera.distance = AIR * bounds.radius / (scene.camera.field_of_view / 2.0).sin();
+        // The cone of half the field of view touches the sphere.
+        let half_view = (scene.camera.height_at(1.0) / 2.0).atan();
+        scene.camera.distance = AIR * bounds.radius / half_view.sin();
         if let Some("gltf" | "glb") = mesh_file::extension(path) {
             scene.unit = 1.0;
         }
@@ -245,7 +247,6 @@ impl Scene {
             return Err(Error::input("the exposure is not within -40 to 40 stops", "0 is a good start"));
         }
         let lights = file.lights.iter().map(|l| Light::parse_in(l, folder)).collect::<Result<Vec<_>>>()?;
-        let field_of_view = units::angle(&file.camera.field_of_view)?.to_radians() as f32;
         let environment_file = file.environment.as_ref().filter(|e| !environment::is_built_in(&e.name));
         let environment_file = environment_file.map(|e| folder.join(&e.name));
         let spectra = lights.iter().filter_map(|light| light.spectrum.as_ref()?.file().map(PathBuf::from));
@@ -255,7 +256,7 @@ impl Scene {
             objects,
             standing_bounds,
             options: scene_options::words(file.options, folder)?,
-            camera: Camera::looking(file.camera.eye.0.into(), file.camera.target.0.into(), field_of_view)?,
+            camera: file.camera.camera()?,
             lights,
             environment: file.environment.as_ref().map(|e| e.open(folder)).transpose()?,
             shadows: file.shadows,

@@ -1,6 +1,5 @@
 //! Scenes as the text of a scene file, which reads as the same scene.
 
-use super::Camera;
 use super::environment;
 use super::object::{Grooves, Object};
 use super::scene_document::{
@@ -9,6 +8,7 @@ use super::scene_document::{
 };
 use super::scene_file::Scene;
 use super::scene_options::OptionValue;
+use super::{Camera, Lens, LensProjection};
 use crate::error::{Error, Result};
 use crate::optics::material::Material;
 use crate::optics::reflectance::Reflectance;
@@ -121,11 +121,7 @@ impl Scene {
                     Ok::<_, Error>(EnvironmentDocument { name, rotation, exposure })
                 })
                 .transpose()?,
-            camera: CameraDocument {
-                eye: Triple(eye_of(&self.camera).to_array()),
-                target: Triple(self.camera.target.to_array()),
-                field_of_view: format!("{}deg", degrees(self.camera.field_of_view)),
-            },
+            camera: camera_document(&self.camera),
             objects: others.into_iter().map(|o| ObjectDocument::of(o, folder)).collect::<Result<_>>()?,
             options: options.collect::<Result<_>>()?,
         };
@@ -164,6 +160,25 @@ fn degrees(radians: f32) -> f64 {
     (0..12).map(rounded).find(|degrees| degrees.to_radians() as f32 == radians).unwrap_or(exact)
 }
 
+/// Returns `camera` as a scene file has it.
+fn camera_document(camera: &Camera) -> CameraDocument {
+    let Lens { projection, roll, shift } = camera.lens;
+    let (field_of_view, height) = match projection {
+        LensProjection::Perspective { field_of_view } => {
+            (Some(format!("{}deg", degrees(field_of_view))), None)
+        }
+        LensProjection::Orthographic { height } => (None, Some(height)),
+    };
+    CameraDocument {
+        eye: Triple(eye_of(camera).to_array()),
+        target: Triple(camera.target.to_array()),
+        field_of_view,
+        height,
+        roll: (roll != 0.0).then(|| format!("{}deg", degrees(roll))),
+        shift: (shift != [0.0; 2]).then_some(shift),
+    }
+}
+
 /// Returns an eye that makes `camera` when it is read again. The eye that follows from a camera's angles may be off in the last bits.
 fn eye_of(camera: &Camera) -> Vec3 {
     /// Offsets of a coordinate that are tried, in units in the last place.
@@ -175,9 +190,8 @@ fn eye_of(camera: &Camera) -> Vec3 {
     let near = (0..STEPS.len().pow(3)).map(|i| [i, i / STEPS.len(), i / STEPS.len().pow(2)]);
     let near = near.map(|places| places.map(|place| STEPS[place % STEPS.len()]));
     let mut eyes = near.map(|[i, j, k]| Vec3::new(moved(eye.x, i), moved(eye.y, j), moved(eye.z, k)));
-    let reads_the_same = |eye: &Vec3| {
-        Camera::looking(*eye, camera.target, camera.field_of_view).is_ok_and(|read| read == *camera)
-    };
+    let reads_the_same =
+        |eye: &Vec3| Camera::looking(*eye, camera.target, camera.lens).is_ok_and(|read| read == *camera);
     eyes.find(reads_the_same).unwrap_or(eye)
 }
 
@@ -273,8 +287,14 @@ mod tests {
             let x = f32::from(step);
             scene.camera.phi = 0.13 * x;
             scene.camera.theta = 0.07 * x + 0.05;
+            scene.camera.lens = match step % 4 {
+                0 => Lens::perspective(0.1 + 0.03 * x),
+                1 => Lens { roll: 0.17 * x - 3.0, ..Lens::perspective(0.6) },
+                2 => Lens { shift: [0.07 * x, -0.3], ..Lens::orthographic(0.1 + 0.3 * x) },
+                _ => Lens::orthographic(2.0),
+            };
             scene.camera =
-                Camera::looking(scene.camera.eye(), scene.camera.target, scene.camera.field_of_view).unwrap();
+                Camera::looking(scene.camera.eye(), scene.camera.target, scene.camera.lens).unwrap();
             let text = scene.to_toml(folder.path()).unwrap();
             let again = read(&text, folder.path());
             assert_eq!(described(&again), described(&scene), "{text}");

@@ -1,6 +1,6 @@
 //! Cameras that show all of a scene for any aspect ratio of the picture.
 
-use crate::scene::{Bounds, Camera, Mesh};
+use crate::scene::{Bounds, Camera, Lens, LensProjection, Mesh};
 use glam::Vec3;
 
 /// Aspect ratio, width and height, that scenes are composed for.
@@ -9,34 +9,37 @@ const USUAL: [u32; 2] = [4, 3];
 const FILLED: f32 = 0.95;
 
 /// Aims `camera` at the centre of `meshes` without changing its direction, at a distance where a picture of `size`
-/// pixels shows all of them.
+/// pixels shows all of them. Its picture is no longer shifted.
 pub fn whole(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
-    let aimed = Camera { target: Bounds::enclosing(meshes).centre, ..camera };
-    Camera { distance: distance(&aimed, meshes, size, FILLED), ..aimed }
+    let lens = Lens { shift: [0.0; 2], ..camera.lens };
+    let aimed = Camera { target: Bounds::enclosing(meshes).centre, lens, ..camera };
+    aimed.showing(factor(&aimed, meshes, size, FILLED))
 }
 
 /// Moves the `camera` of a scene back if a picture of `size` pixels would cut off `meshes` that fit into a picture of
 /// the usual shape. A scene that cuts them off there does so by intention and is unchanged.
 pub fn of_scene(camera: Camera, meshes: &[&Mesh], size: [u32; 2]) -> Camera {
-    let shows_all = |size| distance(&camera, meshes, size, 1.0) <= camera.distance;
-    if shows_all(size) || !shows_all(USUAL) {
+    let shows_all = |size| factor(&camera, meshes, size, 1.0) <= 1.0;
+    // A picture that is shifted was composed for its own size.
+    if camera.lens.shift != [0.0; 2] || shows_all(size) || !shows_all(USUAL) {
         return camera;
     }
-    Camera { distance: distance(&camera, meshes, size, FILLED), ..camera }
+    camera.showing(factor(&camera, meshes, size, FILLED))
 }
 
-/// Returns the smallest distance from the target at which `camera` sees `meshes` within the fraction `filled` of a
-/// picture of `size`.
-fn distance(camera: &Camera, meshes: &[&Mesh], size: [u32; 2], filled: f32) -> f32 {
+/// Returns the smallest factor with which [`Camera::showing`] shows `meshes` within the fraction `filled` of a picture of `size`.
+fn factor(camera: &Camera, meshes: &[&Mesh], size: [u32; 2], filled: f32) -> f32 {
     let [width, height] = size.map(|n| n.max(1) as f32);
-    let tangent = (camera.field_of_view / 2.0).tan() * filled;
-    let forward = (camera.target - camera.eye()).normalize_or(Vec3::Y);
-    let right = forward.cross(Vec3::Z).normalize_or(Vec3::X);
-    let up = right.cross(forward);
+    let tangent = camera.height_at(1.0) / 2.0 * filled;
+    let forward = camera.forward().as_vec3();
+    let [right, up] = camera.right_and_up();
     let least = |vertex: &crate::scene::Vertex| {
         let offset = Vec3::from(vertex.position) - camera.target;
         let across = (offset.dot(right).abs() * height / width).max(offset.dot(up).abs());
-        across / tangent - offset.dot(forward)
+        match camera.lens.projection {
+            LensProjection::Perspective { .. } => (across / tangent - offset.dot(forward)) / camera.distance,
+            LensProjection::Orthographic { .. } => across / tangent,
+        }
     };
     meshes.iter().flat_map(|mesh| mesh.vertices()).map(least).fold(f32::MIN_POSITIVE, f32::max)
 }

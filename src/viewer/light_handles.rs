@@ -3,9 +3,9 @@
 use super::model::Model;
 use super::{orbit, style};
 use crate::scene::lamp::LampShape;
-use crate::scene::{Camera, Emitter, FarLight, Lamp, Room};
+use crate::scene::{Camera, Emitter, FarLight, Lamp, LensProjection, Room};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
 /// Radius of a handle, and distance at which it can be grabbed \[points\].
 const RADIUS: f32 = 5.0;
@@ -80,17 +80,23 @@ impl Frame {
         orbit::pixel_of(&self.camera, point, self.size).map(|at| self.corner + vec2(at.x, at.y))
     }
 
-    /// Returns the direction of the view ray through `at`.
-    fn ray(&self, at: Pos2) -> Vec3 {
+    /// Returns a point on the line of sight through `at`, and its unit vector away from the viewer.
+    fn sight(&self, at: Pos2) -> [Vec3; 2] {
         let from_corner = at - self.corner;
-        orbit::ray(&self.camera, Vec2::new(from_corner.x, from_corner.y), self.size)
+        let sight = self.camera.sight(DVec2::new(from_corner.x.into(), from_corner.y.into()), self.size);
+        [sight.origin, sight.direction.normalize()].map(|v| v.as_vec3())
     }
 
     /// Returns the radius of the sphere of distant lights around the camera's target, which fits into the picture.
     fn sphere(&self) -> f32 {
-        let half = (self.camera.field_of_view / 2.0).sin();
+        let half = match self.camera.lens.projection {
+            LensProjection::Perspective { field_of_view } => {
+                self.camera.distance * (field_of_view / 2.0).sin()
+            }
+            LensProjection::Orthographic { height } => height / 2.0,
+        };
         let across = self.size[0].min(self.size[1]) as f32 / self.size[1] as f32;
-        SPHERE * self.camera.distance * half * across
+        SPHERE * half * across
     }
 
     /// Returns true if a distant light shines from the viewer's side.
@@ -108,8 +114,8 @@ impl Frame {
     /// Moves `light` to the point of the sphere under `to`, on its present side; outside the sphere's outline, to the
     /// outline.
     fn far_light_moved(&self, light: FarLight, to: Pos2) -> FarLight {
-        let (ray, radius) = (self.ray(to), self.sphere());
-        let from_eye = self.camera.target - self.camera.eye();
+        let ([origin, ray], radius) = (self.sight(to), self.sphere());
+        let from_eye = self.camera.target - origin;
         let along = from_eye.dot(ray);
         let missed = ray * along - from_eye; // from the target to the ray, across it
         let half_chord = (radius.powi(2) - missed.length_squared()).max(0.0).sqrt();
@@ -126,13 +132,12 @@ impl Frame {
 
     /// Moves `lamp` under `to` at its present depth.
     fn lamp_moved(&self, lamp: Lamp, to: Pos2) -> Lamp {
-        let eye = self.camera.eye();
-        let forward = (self.camera.target - eye).normalize_or(Vec3::Y);
-        let depth = (lamp.middle.as_vec3() - eye).dot(forward);
-        let ray = self.ray(to);
-        let moved = (eye + ray * (depth / ray.dot(forward))).as_dvec3();
+        let [origin, ray] = self.sight(to);
+        let forward = self.camera.forward().as_vec3();
+        let depth = (lamp.middle.as_vec3() - origin).dot(forward);
+        let moved = (origin + ray * (depth / ray.dot(forward))).as_dvec3();
         // Rounded to a thousandth of the visible width, to keep command lines short.
-        let across = f64::from(2.0 * self.camera.distance * (self.camera.field_of_view / 2.0).tan());
+        let across = f64::from(self.camera.height_at(self.camera.distance));
         let digits = 10f64.powf((1e3 / across).log10().ceil());
         Lamp { middle: (moved * digits).round() / digits, ..lamp }
     }
@@ -160,7 +165,7 @@ impl Frame {
         const SIDES: usize = 48;
         let corners: Vec<DVec3> = match lamp.shape {
             LampShape::Sphere { diameter } => {
-                let toward = (self.camera.eye().as_dvec3() - lamp.middle).normalize_or(DVec3::Z);
+                let toward = self.camera.toward_viewer(lamp.middle).normalize_or(DVec3::Z);
                 let (across, along) = toward.any_orthonormal_pair();
                 let angle = |i: usize| std::f64::consts::TAU * i as f64 / SIDES as f64;
                 let point = |i: usize| across * angle(i).cos() + along * angle(i).sin();
@@ -200,12 +205,15 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Lens;
     use crate::scene::Light;
     use crate::viewer::hand::Hand;
     use egui::Key;
 
     fn frame() -> Frame {
-        let camera = Camera::looking(Vec3::new(1.0, -3.0, 2.0), Vec3::new(0.1, 0.0, 0.2), 0.6).unwrap();
+        let camera =
+            Camera::looking(Vec3::new(1.0, -3.0, 2.0), Vec3::new(0.1, 0.0, 0.2), Lens::perspective(0.6))
+                .unwrap();
         Frame { camera, size: [640, 480], corner: pos2(10.0, 20.0) }
     }
 

@@ -35,10 +35,8 @@ pub fn dragged(camera: Camera, drag: Drag, pixels: Vec2, height: f32) -> Camera 
         },
         Drag::Pan => {
             // A point at the target's distance stays under the pointer.
-            let across = 2.0 * camera.distance * (camera.field_of_view / 2.0).tan();
-            let forward = (camera.target - camera.eye()).normalize_or(Vec3::Y);
-            let right = forward.cross(Vec3::Z).normalize_or(Vec3::X);
-            let up = right.cross(forward);
+            let across = camera.height_at(camera.distance);
+            let [right, up] = camera.right_and_up();
             Camera { target: camera.target + across * (up * part.y - right * part.x), ..camera }
         }
         Drag::Light | Drag::Surroundings => camera,
@@ -68,7 +66,7 @@ fn lamp_dragged(lamp: Lamp, camera: Camera, pixels: Vec2, height: f32) -> Lamp {
     let part = pixels / height.max(1.0);
     let away = Vec2::from_angle(camera.phi + std::f32::consts::PI);
     let right = Vec2::new(away.y, -away.x);
-    let across = 2.0 * camera.distance * (camera.field_of_view / 2.0).tan();
+    let across = camera.height_at(camera.distance);
     let moved = lamp.middle + ((right * part.x - away * part.y) * across).extend(0.0).as_dvec3();
     // Rounded to a thousandth of the visible width, to keep command lines short.
     let digits = 10f64.powf((1e3 / f64::from(across)).log10().ceil());
@@ -94,14 +92,7 @@ fn far_light_dragged(light: FarLight, camera: Camera, pixels: Vec2, height: f32)
 /// Returns `camera` after `steps` of the wheel, forward positive, around a scene of `radius`.
 pub fn zoomed(camera: Camera, steps: f32, radius: f32) -> Camera {
     let distance = camera.distance * ZOOM.powf(steps.clamp(-20.0, 20.0));
-    Camera { distance: distance.clamp(radius * 0.02, radius * 50.0), ..camera }
-}
-
-/// Returns the direction of the view ray through pixel `at` of a picture of `size`.
-pub fn ray(camera: &Camera, at: Vec2, size: [u32; 2]) -> Vec3 {
-    let world = camera.clip_from_world(size, camera.target, camera.distance).inverse();
-    let clip = at / Vec2::new(size[0] as f32, size[1] as f32) * 2.0 - 1.0;
-    (world.project_point3(clip.extend(0.5)) - camera.eye()).normalize_or_zero()
+    camera.showing(distance.clamp(radius * 0.02, radius * 50.0) / camera.distance)
 }
 
 /// Returns the pixel of a picture of `size` that shows `point`; `None` behind the eye.
@@ -113,7 +104,8 @@ pub fn pixel_of(camera: &Camera, point: Vec3, size: [u32; 2]) -> Option<Vec2> {
 
 /// Returns the nearest point of `meshes` under pixel `at` of a picture of `size`; `None` if there is none.
 pub fn hit(camera: &Camera, meshes: &[&Mesh], at: Vec2, size: [u32; 2]) -> Option<Vec3> {
-    let (eye, ray) = (camera.eye(), ray(camera, at, size));
+    let sight = camera.sight(at.as_dvec2(), size);
+    let (eye, ray) = (sight.origin.as_vec3(), sight.direction.as_vec3());
     let distances = meshes.iter().flat_map(|mesh| {
         let corner = |i: u32| Vec3::from(mesh.vertices()[i as usize].position);
         mesh.indices().chunks_exact(3).filter_map(move |t| {
@@ -143,10 +135,10 @@ fn crossing(eye: Vec3, ray: Vec3, a: Vec3, e: Vec3, f: Vec3) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::primitives;
+    use crate::scene::{Lens, primitives};
 
     fn camera() -> Camera {
-        Camera::looking(Vec3::new(0.0, -3.0, 1.0), Vec3::ZERO, 0.6).unwrap()
+        Camera::looking(Vec3::new(0.0, -3.0, 1.0), Vec3::ZERO, Lens::perspective(0.6)).unwrap()
     }
 
     #[test]
@@ -218,7 +210,7 @@ mod tests {
     #[test]
     fn a_click_finds_the_point_under_it_or_nothing() {
         let plate = primitives::plate();
-        let above = Camera::looking(Vec3::new(0.0, -0.01, 4.0), Vec3::ZERO, 0.6).unwrap();
+        let above = Camera::looking(Vec3::new(0.0, -0.01, 4.0), Vec3::ZERO, Lens::perspective(0.6)).unwrap();
         let middle = hit(&above, &[&plate], Vec2::new(100.0, 100.0), [200, 200]).unwrap();
         assert!(middle.length() < 0.02, "{middle}");
         assert!(hit(&above, &[&plate], Vec2::new(0.0, 0.0), [2000, 20]).is_none());

@@ -128,7 +128,7 @@ impl ViewSettings {
             return self.camera;
         }
         let c = &self.camera;
-        Camera::looking(c.eye(), c.target, c.field_of_view).unwrap_or(*c)
+        Camera::looking(c.eye(), c.target, c.lens).unwrap_or(*c)
     }
 }
 
@@ -226,7 +226,7 @@ pub(crate) mod tests {
             s.camera.distance = 1.0 + 0.037 * x;
             let eye = ViewSettings::triple(s.camera.eye());
             let parsed = crate::units::triple(&eye).unwrap().map(|x| x as f32);
-            let named = Camera::looking(parsed.into(), s.camera.target, s.camera.field_of_view).unwrap();
+            let named = Camera::looking(parsed.into(), s.camera.target, s.camera.lens).unwrap();
             assert_eq!(named, s.shown_camera(&scene), "{eye}");
         }
     }

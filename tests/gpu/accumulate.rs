@@ -8,7 +8,7 @@ use diffract::internals::render::frame::{Shown, View};
 use diffract::internals::render::reference_picture::displayed;
 use diffract::internals::render::renderer::{Picture, PictureRequest, Renderer};
 use diffract::internals::render::sampling::{PixelWeights, Sample, Sampling};
-use diffract::internals::scene::{Camera, Light, Scene};
+use diffract::internals::scene::{Camera, Lens, Light, Scene};
 use diffract::internals::surface::synth::SurfaceKind;
 use diffract::internals::task::Task;
 use diffract::internals::vk::device::Device;
@@ -232,7 +232,9 @@ fn coverage_beside_a_straight_edge_is_that_of_the_filter() {
     let scene = Scene::open("plate").unwrap();
     let mut view = view(&scene);
     // On the plate's edge x = 1/2, askew in the picture, whose other edges are outside.
-    view.camera = Camera::looking(Vec3::new(0.45, -0.2, 0.9), Vec3::new(0.5, 0.03, 0.0), 0.5).unwrap();
+    view.camera =
+        Camera::looking(Vec3::new(0.45, -0.2, 0.9), Vec3::new(0.5, 0.03, 0.0), Lens::perspective(0.5))
+            .unwrap();
     let clip = view.clip_from_world(SIZE).as_dmat4();
     let pixel = |y: f64| {
         let place = clip.project_point3(DVec3::new(0.5, y, 0.0));
@@ -367,7 +369,7 @@ fn a_pixel_of_the_plate_shows_as_much_of_it_as_it_covers() {
     let scene = Scene::open("plate").unwrap();
     let mut view = view(&scene);
     // Straight from above, but for the pole's margin: a pixel is a square.
-    view.camera = Camera::looking(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 0.4).unwrap();
+    view.camera = Camera::looking(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, Lens::perspective(0.4)).unwrap();
     let side = 2.0 * 2.0 * 0.2f64.tan() / f64::from(SIZE[1]);
     with_device(|device| {
         let mut renderer = renderer(device, &scene);
@@ -375,11 +377,11 @@ fn a_pixel_of_the_plate_shows_as_much_of_it_as_it_covers() {
         assert!((area / (side * side) - 1.0).abs() < 5e-3, "{area} for {}", side * side);
         // From 60° the same pixel shows twice as much. From afar, where all pixels of the plate are seen from 60°.
         let eye = Vec3::new(3f32.sqrt(), 0.0, 1.0) * 20.0;
-        view.camera = Camera::looking(eye, Vec3::ZERO, 0.02).unwrap();
+        view.camera = Camera::looking(eye, Vec3::ZERO, Lens::perspective(0.02)).unwrap();
         let side = 2.0 * 40.0 * 0.01f64.tan() / f64::from(SIZE[1]);
         let area = median_pixel_area(&mut renderer, &view).unwrap().unwrap();
         assert!((area / (2.0 * side * side) - 1.0).abs() < 5e-3, "{area} for {}", 2.0 * side * side);
-        view.camera = Camera::looking(eye, eye * 2.0, 0.05).unwrap();
+        view.camera = Camera::looking(eye, eye * 2.0, Lens::perspective(0.05)).unwrap();
         assert_eq!(median_pixel_area(&mut renderer, &view).unwrap(), None);
     });
 }

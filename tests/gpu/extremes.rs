@@ -14,7 +14,7 @@ use diffract::internals::random::Random;
 use diffract::internals::render::evaluator::{Evaluator, Query};
 use diffract::internals::render::frame::{Shown, View};
 use diffract::internals::render::reference_picture::{displayed, reference_picture};
-use diffract::internals::scene::{Light, Scene};
+use diffract::internals::scene::{Lens, Light, Scene};
 use diffract::internals::settings::Optics;
 use diffract::internals::spectra::amplitude::audit::FAINT;
 use diffract::internals::spectra::amplitude::expansion::Basis;
@@ -473,8 +473,12 @@ fn interpolated_frames_and_exposures_at_the_ends_give_no_pixel_that_is_not_a_num
             let size = [65, 49]; // odd: a pixel's centre lies on the axes of symmetry
             let mut renderer = crate::renderer_of(device, &scene, &window(&layers), &optics, size).unwrap();
             for eye in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [2.0, -2.0, 1.0], [0.0, 0.0, -3.0]] {
-                view.camera =
-                    diffract::internals::scene::Camera::looking(eye.into(), glam::Vec3::ZERO, 0.9).unwrap();
+                view.camera = diffract::internals::scene::Camera::looking(
+                    eye.into(),
+                    glam::Vec3::ZERO,
+                    Lens::perspective(0.9),
+                )
+                .unwrap();
                 for exposure in [-40.0, 0.0, 40.0] {
                     let picture = renderer.render_plain(&view, exposure, DVec3::splat(0.01)).unwrap();
                     for (i, pixel) in picture.radiance.iter().enumerate() {

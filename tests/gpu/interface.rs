@@ -28,8 +28,8 @@ fn blocks_mean_the_same_to_rust_and_to_shaders() {
             expected.push(*column);
         }
         let mut vector = || std::array::from_fn(|_| next());
-        frame.eye = vector();
-        expected.push(frame.eye);
+        frame.viewer = vector();
+        expected.push(frame.viewer);
         frame.base_color = vector();
         frame.grooves = vector();
         frame.sample = SampleBlock {

@@ -16,7 +16,7 @@ use diffract::internals::render::renderer::{PictureRequest, RendererSettings};
 use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::{ClassicalGrating, Source};
 use diffract::internals::scene::environment::Placement;
-use diffract::internals::scene::{Camera, Emitter, Environment, Lamp, Light, Scene};
+use diffract::internals::scene::{Camera, Emitter, Environment, Lamp, Lens, Light, Scene};
 use diffract::internals::settings::{Method, Optics};
 use diffract::internals::surface::synth::SurfaceKind;
 use diffract::internals::task::Task;
@@ -30,7 +30,8 @@ const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3:
 fn floor(lights: Vec<Light>) -> (diffract::internals::scene::Mesh, View) {
     let mesh = floor_below_a_roof(0.5);
     let mut view = View::of(&Scene::open("plate").unwrap(), lights);
-    view.camera = Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(1.0, 0.2, 0.0), 0.4).unwrap();
+    view.camera =
+        Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(1.0, 0.2, 0.0), Lens::perspective(0.4)).unwrap();
     (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
     view.base_colors = vec![Vec3::ONE];
     (mesh, view)

@@ -22,7 +22,7 @@ use diffract::internals::render::pigment::Pigment;
 use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::{ClassicalGrating, Source};
 use diffract::internals::scene::environment::Placement;
-use diffract::internals::scene::{Camera, Corner, Environment, FarLight, Light, Mesh, Scene};
+use diffract::internals::scene::{Camera, Corner, Environment, FarLight, Lens, Light, Mesh, Scene};
 use diffract::internals::settings::{Method, Optics};
 use diffract::internals::surface::HeightField;
 use diffract::internals::surface::synth::SurfaceKind;
@@ -40,7 +40,8 @@ fn plate(theta: f32, lights: Vec<Light>, environment: Option<Environment>) -> (S
     let scene = Scene::open("plate").unwrap();
     let (sin, cos) = theta.sin_cos();
     let mut view = View::of(&scene, lights);
-    view.camera = Camera::looking(Vec3::new(FAR * sin, 0.0, FAR * cos), Vec3::ZERO, 0.02).unwrap();
+    view.camera =
+        Camera::looking(Vec3::new(FAR * sin, 0.0, FAR * cos), Vec3::ZERO, Lens::perspective(0.02)).unwrap();
     view.base_colors = vec![Vec3::ZERO];
     view.environment = environment;
     (scene, view)
@@ -279,7 +280,8 @@ pub fn across_the_edge(device: &Arc<Device>, light: Light, height: f32, samples:
     let mesh = floor_below_a_roof(height);
     let source = Source::ClassicalGrating(ClassicalGrating::default());
     let mut view = View::of(&Scene::open("plate").unwrap(), vec![light]);
-    view.camera = Camera::looking(Vec3::new(AWAY, 0.0, AWAY), Vec3::ZERO, FIELD_OF_VIEW).unwrap();
+    view.camera =
+        Camera::looking(Vec3::new(AWAY, 0.0, AWAY), Vec3::ZERO, Lens::perspective(FIELD_OF_VIEW)).unwrap();
     (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
     view.base_colors = vec![Vec3::ONE];
     let column = |shadows: bool| -> Vec<f64> {
@@ -364,7 +366,8 @@ fn a_mesh_that_is_wound_inward_is_as_bright_as_one_that_is_not() {
             let mesh = Mesh::from_triangles(vec![triangle]).unwrap();
             let light = Light::point(40.0, 20.0, 1.0);
             let mut view = View::of(&Scene::open("plate").unwrap(), vec![light]);
-            view.camera = Camera::looking(Vec3::new(1.0, -1.0, 3.0), Vec3::ZERO, 0.9).unwrap();
+            view.camera =
+                Camera::looking(Vec3::new(1.0, -1.0, 3.0), Vec3::ZERO, Lens::perspective(0.9)).unwrap();
             (view.centre, view.radius) = (mesh.bounds().centre, mesh.bounds().radius);
             view.base_colors = vec![Vec3::ONE];
             let optics = Optics::default();

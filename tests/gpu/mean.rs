@@ -220,7 +220,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
     let light = Light::point(41.0, 61.0, 1.0);
     let mut view = View::of(&scene, vec![light]);
     let eye = Vec3::new(-2.42, 1.7, 1.74);
-    view.camera = Camera::looking(eye, scene.camera.target, scene.camera.field_of_view).unwrap();
+    view.camera = Camera::looking(eye, scene.camera.target, scene.camera.lens).unwrap();
     let reflectance = scene.main_object().reflectance.clone().unwrap();
     assert!(reflectance.is_spectral(), "the scene has a material");
     // A mirror is in closed form. Of a patch of few orders a Gaussian so wide is read from the coarsest level, by cubics that hold colours over |w|

@@ -21,7 +21,7 @@ use diffract::internals::render::renderer::{Renderer, RendererSettings};
 use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::{ClassicalGrating, Source};
 use diffract::internals::scene::environment::Placement;
-use diffract::internals::scene::{Camera, Environment, Grooves, Light, Mesh, Scene};
+use diffract::internals::scene::{Camera, Environment, Grooves, Lens, Light, Mesh, Scene};
 use diffract::internals::settings::{Method, Optics};
 use diffract::internals::surface::synth::SurfaceKind;
 use diffract::internals::task::Task;
@@ -204,7 +204,8 @@ fn pixels_see_what_rays_in_f64_meet() {
     let (plane, curved) = ([0.01, 0.02], [0.06, 0.3]);
     let plate = |name| Case { name, ..Case::new("plate", &FAR_AND_LAMP) };
     let mut below = plate("plate from below");
-    below.view.camera = Camera::looking(Vec3::new(0.4, -0.9, -1.5), Vec3::ZERO, 0.6).unwrap();
+    below.view.camera =
+        Camera::looking(Vec3::new(0.4, -0.9, -1.5), Vec3::ZERO, Lens::perspective(0.6)).unwrap();
     below.view.lights =
         vec![Light::point(140.0, -30.0, 1.0), Light::parse("sphere:0.3:0.5,-0.8,-2,30").unwrap()];
     let turned = GrooveDirections::of(&Grooves::Turned(35.0)).unwrap();
@@ -277,7 +278,8 @@ fn shadows_fall_where_rays_to_the_light_are_blocked() {
     let mut case = Case::new("plate", &["30,200,1", "sphere:0.2:-0.8,0.3,1.5,30"]);
     case.name = "floor below a roof";
     case.mesh = floor_below_a_roof(0.5);
-    case.view.camera = Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(0.3, 0.2, 0.0), 0.6).unwrap();
+    case.view.camera =
+        Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(0.3, 0.2, 0.0), Lens::perspective(0.6)).unwrap();
     (case.view.centre, case.view.radius) = (case.mesh.bounds().centre, case.mesh.bounds().radius);
     case.view.reach = case.view.radius;
     case.shadows = true;
@@ -427,7 +429,8 @@ fn pictures_are_those_of_rays_in_f64() {
 fn kept_depth_maps_change_nothing() {
     let mut case = Case::new("plate", &["30,200,1", "40,130,1"]);
     case.mesh = floor_below_a_roof(0.5);
-    case.view.camera = Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(0.3, 0.2, 0.0), 0.6).unwrap();
+    case.view.camera =
+        Camera::looking(Vec3::new(1.9, 0.4, 2.0), Vec3::new(0.3, 0.2, 0.0), Lens::perspective(0.6)).unwrap();
     (case.view.centre, case.view.radius) = (case.mesh.bounds().centre, case.mesh.bounds().radius);
     case.view.reach = case.view.radius;
     case.shadows = true;

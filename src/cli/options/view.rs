@@ -5,7 +5,7 @@ use crate::cli::console::Console;
 use crate::error::{Error, Result};
 use crate::optics::color::Tone;
 use crate::scene::environment::{self, Placement};
-use crate::scene::{Background, Camera, Environment, Light, Scene};
+use crate::scene::{Background, Camera, Environment, Lens, LensProjection, Light, Scene};
 use crate::units;
 use clap::Args;
 use glam::Vec3;
@@ -53,6 +53,15 @@ pub struct ViewOptions {
     /// Vertical field of view, as in 35deg, instead of the scene's
     #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true, hide_short_help = true)]
     pub field_of_view: Option<f64>,
+    /// Orthographic camera that shows this height, in the scene's units, instead of the scene's lens
+    #[arg(long, value_name = "HEIGHT", value_parser = units::positive, allow_hyphen_values = true, conflicts_with = "field_of_view", hide_short_help = true)]
+    pub orthographic: Option<f64>,
+    /// Rotation of the camera about its axis, clockwise as its user sees it, as in 10deg, instead of the scene's
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle, allow_hyphen_values = true, hide_short_help = true)]
+    pub roll: Option<f64>,
+    /// Shift of the picture's middle from the camera's axis, to the right and up, in heights of the picture, instead of the scene's
+    #[arg(long, value_name = "X,Y", value_parser = units::pair, allow_hyphen_values = true, hide_short_help = true)]
+    pub lens_shift: Option<[f64; 2]>,
     /// Background behind the mesh, instead of the scene's: a colour, linear sRGB from 0 to 1, or the surroundings. It makes a PNG opaque; an EXR has none
     #[arg(long, value_name = "R,G,B|surroundings", value_parser = Background::parse, allow_hyphen_values = true, hide_short_help = true)]
     pub background: Option<Background>,
@@ -90,14 +99,29 @@ impl ViewOptions {
             }
             (scene.display.background, scene.display.is_opaque) = (background, true);
         }
-        let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
-        if self.eye.is_some() || self.target.is_some() || self.field_of_view.is_some() {
-            let old = scene.camera;
-            scene.camera = Camera::looking(
-                self.eye.map_or(old.eye(), vector),
-                self.target.map_or(old.target, vector),
-                self.field_of_view.map_or(old.field_of_view, |deg| deg.to_radians() as f32),
-            )?;
+        self.apply_camera(scene)
+    }
+
+    /// Applies the options of the camera to `scene`.
+    fn apply_camera(&self, scene: &mut Scene) -> Result<()> {
+        let old = scene.camera;
+        let radians = |degrees: f64| degrees.to_radians() as f32;
+        let height = self.orthographic.map(|height| LensProjection::Orthographic { height: height as f32 });
+        let angle =
+            self.field_of_view.map(|angle| LensProjection::Perspective { field_of_view: radians(angle) });
+        let lens = Lens {
+            projection: height.or(angle).unwrap_or(old.lens.projection),
+            roll: self.roll.map_or(old.lens.roll, radians),
+            shift: self.lens_shift.map_or(old.lens.shift, |shift| shift.map(|x| x as f32)),
+        };
+        if self.eye.is_some() || self.target.is_some() {
+            let vector = |v: [f64; 3]| Vec3::from(v.map(|x| x as f32));
+            let eye = self.eye.map_or(old.eye(), vector);
+            scene.camera = Camera::looking(eye, self.target.map_or(old.target, vector), lens)?;
+        } else {
+            // Angles that are kept are not computed again from an eye.
+            lens.check()?;
+            scene.camera.lens = lens;
         }
         Ok(())
     }

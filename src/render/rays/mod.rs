@@ -94,7 +94,6 @@ impl<'a> RayScene<'a> {
             pass,
             settings,
             incident: incidents[0],
-            eye: view.camera.eye().as_dvec3(),
             mirrored: view.environment.as_ref().filter(|_| mirrors),
         };
         let count = settings.size[0] as usize * settings.size[1] as usize;

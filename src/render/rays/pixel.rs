@@ -38,8 +38,6 @@ pub(super) struct RayFrame<'a> {
     pub settings: &'a RaySettings,
     /// Light of the pass.
     pub incident: Incident,
-    /// Position of the viewer.
-    pub eye: DVec3,
     /// Surroundings, if their mirrored radiance is requested.
     pub mirrored: Option<&'a Environment>,
 }
@@ -82,7 +80,8 @@ impl RayFrame<'_> {
         let size = self.settings.size;
         let corner = DVec2::new((pixel % size[0] as usize) as f64, (pixel / size[0] as usize) as f64);
         let place = corner + 0.5 + DVec2::from(self.pass.sample.jitter) + beside;
-        Ray { origin: self.eye, direction: self.view.camera.ray(place, size) }
+        let sight = self.view.camera.sight(place, size);
+        Ray { origin: sight.origin, direction: sight.direction }
     }
 
     /// Returns a vector from `position` to the light. For a lamp its length is the distance.
@@ -97,7 +96,8 @@ impl RayFrame<'_> {
         let object = &objects[triangle.object];
         let place = SurfacePlace::new(object, triangle, crossing.weights);
         let normal = triangle.normal().normalize();
-        let normal = if normal.dot(self.eye - place.position) < 0.0 { -normal } else { normal };
+        let normal =
+            if normal.dot(self.view.camera.toward_viewer(place.position)) < 0.0 { -normal } else { normal };
         let face = Face { object, triangle, normal, back: place.frame.z_axis.dot(normal) < 0.0 };
         let seen = self.directions_at(&place, face.back);
         let change = self.change(pixel, &face);
@@ -113,11 +113,11 @@ impl RayFrame<'_> {
 
     /// Returns the directions at `place`, seen from the `back` or from the front.
     fn directions_at(&self, place: &SurfacePlace, back: bool) -> PlaceDirections {
-        let to_eye = self.eye - place.position;
+        let to_viewer = self.view.camera.toward_viewer(place.position);
         PlaceDirections {
-            view: place.direction(to_eye, back),
+            view: place.direction(to_viewer, back),
             light: place.direction(self.to_light(place.position), back),
-            mirrored: (-to_eye.normalize()).reflect(place.frame.z_axis),
+            mirrored: (-to_viewer.normalize()).reflect(place.frame.z_axis),
         }
     }
 
