@@ -5,7 +5,8 @@ use crate::notes::{self, Notes};
 use crate::output;
 use crate::render::renderer::Picture;
 use exr::prelude::{
-    Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Text, WritableImage,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder, Text,
+    WritableImage,
 };
 use std::fs::File;
 use std::io::{BufReader, Error as IoError, Seek, Write};
@@ -138,10 +139,13 @@ fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std:
     attributes.software_name = Text::new_or_none(notes::software());
     // In one attribute: the library writes custom attributes in an order that changes from run to run.
     attributes.comments = Text::new_or_none(text(PictureFormat::Exr, notes));
-    let channels = SpecificChannels::rgba(|at: exr::math::Vec2<usize>| {
-        let [r, g, b, a] = picture.radiance[at.y() * width + at.x()];
-        (r, g, b, a)
-    });
+    // In alphabetic order, as the format wants them.
+    let number = |name: &str, samples| AnyChannel::new(name, FlatSamples::F32(samples));
+    let color = |at: usize| picture.radiance.iter().map(|pixel| pixel[at]).collect();
+    let mut channels =
+        vec![number("A", color(3)), number("B", color(2)), number("G", color(1)), number("R", color(0))];
+    channels.extend(picture.distances.as_ref().map(|distances| number("Z", distances.clone())));
+    let channels = AnyChannels::sort(channels.into());
     // In order: tiles are compressed by several threads, and would be written in the order in which they finish.
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
     let image = Image::from_layer(Layer::new((width, height), attributes, encoding, channels));
@@ -160,6 +164,7 @@ mod tests {
             radiance: (0..count).map(|i| [number(i), -number(i + 1), 2.0, (i % 5) as f32 / 4.0]).collect(),
             display: (0..count).map(|i| [i as u8, (i / 7) as u8, 3, 255]).collect(),
             is_opaque: false,
+            distances: None,
         }
     }
 

@@ -66,6 +66,10 @@ pub struct Arguments {
     view: ViewOptions,
     #[command(flatten)]
     mesh: MeshOptions,
+    /// Write into the EXR a channel Z, too: the distance of what the pixel's centre shows from the viewer's plane, along the camera's axis, in the scene's
+    /// units; infinite where that is no mesh
+    #[arg(long, hide_short_help = true, conflicts_with_all = ["turntable", "light_sweep"])]
+    depth: bool,
     /// Samples a pixel, each with the camera moved inside the pixel: 1 to 4096; 1 looks at pixel centres only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), allow_hyphen_values = true, default_value = "16")]
     samples: u32,
@@ -100,6 +104,12 @@ impl Arguments {
 pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
     let console = &arguments.device.chosen(&arguments.cache.limited(console));
     let format = PictureFormat::of(&arguments.output)?;
+    if arguments.depth && format != PictureFormat::Exr {
+        return Err(Error::usage(
+            "a PNG has no channel for --depth",
+            "name the output .exr, or leave --depth away",
+        ));
+    }
     let sequence = arguments.sequence.chosen()?;
     let outputs = match &sequence {
         Some(sequence) => sequence.files(&arguments.output),
@@ -280,6 +290,9 @@ fn draw(
             None => prepared.draw(&shot.view, &task)?,
         };
         picture.is_opaque |= scene.display.is_opaque;
+        if arguments.depth {
+            picture.distances = Some(prepared.renderer().distances(&shot.view)?);
+        }
         prepare::check(&device)?;
         let mut notes = shot.notes.clone();
         notes.more.extend(prepared.energy_note().map(|note| ("Limit of energy".to_owned(), note)));
@@ -377,5 +390,5 @@ fn reference_picture(
     let radiance = reference_mean(&objects, view, &samples, &mut directions, task)?;
     let display = displayed_of(view, settings.size, &radiance, shown);
     let is_opaque = view.background().is_some();
-    Ok(Picture { size: settings.size, radiance, display, is_opaque })
+    Ok(Picture { size: settings.size, radiance, display, is_opaque, distances: None })
 }

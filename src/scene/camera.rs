@@ -21,7 +21,7 @@ pub struct Camera {
 
 /// Unit vectors of a camera in the world.
 #[derive(Clone, Copy)]
-struct Axes {
+struct CameraAxes {
     right: DVec3,
     up: DVec3,
     forward: DVec3,
@@ -65,14 +65,14 @@ impl Camera {
     }
 
     /// Returns the axes. Without roll, `right` is horizontal.
-    fn axes(&self) -> Axes {
+    fn axes(&self) -> CameraAxes {
         let (sin, cos) = f64::from(self.theta).sin_cos();
         let (sin_phi, cos_phi) = f64::from(self.phi).sin_cos();
         let forward = -DVec3::new(sin * cos_phi, sin * sin_phi, cos);
         let level = DVec3::new(-sin_phi, cos_phi, 0.0);
         let upright = level.cross(forward);
         let (sin, cos) = f64::from(self.lens.roll).sin_cos();
-        Axes { right: cos * level - sin * upright, up: cos * upright + sin * level, forward }
+        CameraAxes { right: cos * level - sin * upright, up: cos * upright + sin * level, forward }
     }
 
     /// Returns the direction of the camera's axis, away from the viewer.
@@ -171,7 +171,7 @@ impl Camera {
     /// Returns the line of sight through the point `place` of a picture of `size` pixels \[pixels from its upper left corner\]: the f64
     /// twin of [`Self::clip_from_world`].
     pub fn sight(&self, place: DVec2, size: [u32; 2]) -> Sight {
-        let Axes { right, up, forward } = self.axes();
+        let CameraAxes { right, up, forward } = self.axes();
         let size = DVec2::new(size[0].into(), size[1].into());
         let shift = DVec2::new(self.lens.shift[0].into(), self.lens.shift[1].into());
         // Offset from the axis, right and up, in heights of the picture.

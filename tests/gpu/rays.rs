@@ -131,7 +131,8 @@ fn differences(found: &Directions, exact: &Directions) -> Differences {
             apart += square(f64::from(*a) - f64::from(b));
             of_exact += square(f64::from(b));
         }
-        all.footprint.push((apart / of_exact).sqrt());
+        // An orthographic camera sees a plane from the same direction everywhere.
+        all.footprint.push(if apart == 0.0 { 0.0 } else { (apart / of_exact).sqrt() });
         if lights.map(|light| light.z > 0.0) == [true, true] {
             all.falloff.push((part - falloff).abs() / falloff);
         }
@@ -210,7 +211,18 @@ fn pixels_see_what_rays_in_f64_meet() {
         vec![Light::point(140.0, -30.0, 1.0), Light::parse("sphere:0.3:0.5,-0.8,-2,30").unwrap()];
     let turned = GrooveDirections::of(&Grooves::Turned(35.0)).unwrap();
     let mapped = turning_map(folder.path());
+    let through = |case: Case, lens: Lens| {
+        let mut case = Case { name: "through another lens", ..case };
+        case.view.camera.lens = lens;
+        case
+    };
+    let parallel = Lens { roll: 0.4, ..Lens::orthographic(1.6) };
+    let shifted = Lens { roll: -1.1, shift: [-0.1, 0.05], ..Lens::perspective(0.7) };
     let cases = [
+        (through(Case::new("plate", &FAR_AND_LAMP), parallel), plane),
+        (through(Case::new("plate", &FAR_AND_LAMP), shifted), plane),
+        (through(Case::new("sphere", &FAR_AND_LAMP), parallel), curved),
+        (through(Case::new("sphere", &FAR_AND_LAMP), shifted), curved),
         (plate("plate"), plane),
         (below, plane),
         (Case { grooves: turned, ..plate("plate with turned grooves") }, plane),
@@ -229,6 +241,28 @@ fn pixels_see_what_rays_in_f64_meet() {
                 let found = renderer.directions_in(&case.view, &pass).unwrap();
                 assert_near(&case, &found, &rays.directions(&case.view, &pass, &case.settings()), footprint);
             }
+        }
+    });
+}
+
+#[test]
+fn distances_are_those_along_lines_of_sight() {
+    let mut case = Case::new("plate", &[]);
+    with_device(|device| {
+        let mut renderer = case.renderer(device);
+        for lens in [Lens::perspective(0.7), Lens { shift: [0.1, -0.2], ..Lens::orthographic(1.7) }] {
+            case.view.camera.lens = lens;
+            let distances = renderer.distances(&case.view).unwrap();
+            let mut seen = 0;
+            for (pixel, &distance) in distances.iter().enumerate().filter(|(_, d)| d.is_finite()) {
+                let place = DVec2::new((pixel % SIZE[0] as usize) as f64, (pixel / SIZE[0] as usize) as f64);
+                let sight = case.view.camera.sight(place + 0.5, SIZE);
+                // The plate lies in the plane z = 0.
+                let exact = -sight.origin.z / sight.direction.z;
+                assert!((f64::from(distance) / exact - 1.0).abs() < 1e-4, "{lens:?}: {distance}, {exact}");
+                seen += 1;
+            }
+            assert!(seen > 1500 && seen < distances.len(), "{lens:?}: {seen} pixels");
         }
     });
 }

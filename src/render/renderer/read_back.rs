@@ -7,6 +7,7 @@ use crate::render::frame::View;
 use crate::render::light_passes::LightPass;
 use crate::render::sampling::{Sample, Sampling};
 use crate::render::target;
+use crate::scene::Light;
 use crate::vk::access::Access;
 use crate::vk::commands::FAR;
 use crate::vk::image::Image;
@@ -53,7 +54,24 @@ impl Renderer {
             radiance,
             display: bytemuck::pod_collect_to_vec(&display),
             is_opaque: view.is_some_and(|view| view.background().is_some()),
+            distances: None,
         })
+    }
+
+    /// Returns for each pixel of `view` the distance of what its centre shows from the viewer's plane, along the camera's axis \[units of
+    /// the scene\]; infinity where that is no object.
+    ///
+    /// # Errors
+    /// Fails if the device is lost.
+    pub fn distances(&mut self, view: &View) -> Result<Vec<f32>> {
+        // Geometry is drawn for a light, any of them.
+        let lit = View { lights: vec![Light::point(0.0, 0.0, 1.0)], environment: None, ..view.clone() };
+        self.draw_directions(&lit, &LightPass::of_all(0, Sampling::ONE.sample(0)))?;
+        let distance = |depth: f32| match depth {
+            FAR => f32::INFINITY,
+            _ => view.camera.distance_along_axis(depth, view.centre, view.reach) as f32,
+        };
+        Ok(self.depth()?.into_iter().map(distance).collect())
     }
 
     /// Returns the directions of light number `light` in one sample of `view` at the pixel centres, exactly as shading
