@@ -179,6 +179,10 @@ const BAD: &[(&str, &[&[&str]])] = &[
     ("--eye", &[NO_NUMBER, NO_TRIPLE, &["0,0,1e10"]]),
     ("--target", &[NO_NUMBER, NO_TRIPLE]),
     ("--field-of-view", &[NO_NUMBER, &["35", "0deg", "-35deg", "171deg", "35um", "nandeg"]]),
+    ("--orthographic", &[NO_NUMBER, &["0", "-1", "35deg", "2m", "1,2"]]),
+    ("--roll", &[NO_NUMBER, &["35", "35um", "nandeg", "infdeg"]]),
+    ("--lens-shift", &[NO_NUMBER, &["0.1", "1,2,3", "0,101", "-101,0"]]),
+    ("--depth", &[&["x", ""]]), // takes no value, and the scene is named already
     ("--background", &[NO_NUMBER, NO_TRIPLE, &["-0.1,0,0", "0,0,1.1", "sky"]]),
     ("--base-color", &[NO_NUMBER, NO_TRIPLE, &["-0.1,0,0", "0,0,1.1"]]),
     (

@@ -407,6 +407,67 @@ fn a_light_has_a_spectrum_of_its_own_by_name_or_in_a_file() {
 }
 
 #[test]
+fn lenses_of_a_scene_and_of_options_are_one_picture() {
+    let sandbox = Sandbox::with_small_surface();
+    let scene = |lens: &str| {
+        format!(
+            "mesh = \"plate\"\nsurface = \"flat\"\nlights = [\"35,20\"]\nbase_color = [0.5, 0.4, 0.3]\n\
+             [camera]\neye = [0.0, -1.0, 3.0]\ntarget = [0.0, 0.0, 0.0]\n{lens}\n"
+        )
+    };
+    sandbox.write("plain.toml", scene("field_of_view = \"35deg\""));
+    sandbox.write("parallel.toml", scene("height = 1.5\nroll = \"20deg\"\nshift = [0.1, -0.2]"));
+    let draw = |scene: &str, file: &str, more: &[&str]| {
+        sandbox.run2(&["render", scene, "-o", file, "--size", "24x24"], more).done();
+        exr(&sandbox, file).2
+    };
+    let options = ["--orthographic", "1.5", "--roll", "20deg", "--lens-shift", "0.1,-0.2"];
+    let parallel = draw("parallel.toml", "scene.exr", &[]);
+    assert!(parallel == draw("plain.toml", "options.exr", &options));
+    assert!(parallel != draw("plain.toml", "two.exr", &options[..4]), "the shift is left out");
+    assert!(parallel != draw("plain.toml", "one.exr", &options[..2]), "the roll is left out");
+    for (lens, said) in [
+        ("field_of_view = \"35deg\"\nheight = 1", "not one of field_of_view and height"),
+        ("roll = \"1deg\"", "not one of field_of_view and height"),
+        ("height = 0", "not a positive number"),
+        ("height = 1\nshift = [0, 1e9]", "shift of the lens"),
+        ("height = 1\nroll = \"1\"", "deg"),
+    ] {
+        sandbox.write("bad.toml", scene(lens));
+        let refused = sandbox.run(["render", "bad.toml", "-o", "no.png"]);
+        let line = refused.refused_somehow(lens);
+        assert!(line.contains(said), "{lens}: {line}");
+    }
+}
+
+#[test]
+fn a_channel_of_depth_holds_distances_along_the_axis_of_the_camera() {
+    let sandbox = Sandbox::with_small_surface();
+    // Straight down onto a plate of side 1 at z = 0.
+    let down = ["--eye", "0,0,5", "--target", "0,0,0", "--orthographic", "1.5", "--surface", "flat"];
+    let depth = ["render", "plate", "--size", "30x30", "--depth", "-o", "z.exr"];
+    sandbox.run2(&depth, &down).done();
+    let image = exr::prelude::read_first_flat_layer_from_file(sandbox.path("z.exr")).unwrap();
+    let channel = |name: &str| {
+        let channel = image.layer_data.channel_data.list.iter().find(|channel| channel.name.eq(name));
+        channel.unwrap().sample_data.values_as_f32().collect::<Vec<f32>>()
+    };
+    let (distances, alpha) = (channel("Z"), channel("A"));
+    for (distance, alpha) in distances.iter().zip(&alpha) {
+        match alpha {
+            0.0 => assert_eq!(*distance, f32::INFINITY),
+            1.0 => assert!((distance - 5.0).abs() < 1e-4, "{distance}"),
+            _ => {}
+        }
+    }
+    let covered = distances.iter().filter(|distance| distance.is_finite()).count();
+    assert!((380..=420).contains(&covered), "{covered} of 900 pixels where 400 are covered");
+    let line = sandbox.run(["render", "plate", "--depth", "-o", "z.png"]).refused(2);
+    assert!(line.contains(".exr"), "{line}");
+    sandbox.run2(&depth, &["--turntable", "3"]).refused(2);
+}
+
+#[test]
 fn a_scene_prepares_its_surface_and_the_command_line_does_it_instead() {
     let sandbox = Sandbox::with_small_surface();
     let scene = |prepare: &str| {
