@@ -51,7 +51,8 @@ impl Camera {
             ));
         }
         lens.check()?;
-        let theta = (offset.z / distance).clamp(-1.0, 1.0).acos();
+        // Near the poles the arc cosine of a rounded quotient is wrong in the fourth digit.
+        let theta = offset.truncate().length().atan2(offset.z);
         Ok(Self { target, distance, theta, phi: offset.y.atan2(offset.x), lens })
     }
 
