@@ -59,7 +59,7 @@ fi
 
 # Pictures that no command of a page draws: src/cli/surface/worked_example.rs (DIFFRACT_BLESS=1), tools/validity/figure.py, tests/gpu/long_run.rs,
 # integrations/mitsuba (render.py, compare.py).
-elsewhere='preparing.png validity.png long-run.svg mitsuba.webp export-plates.png'
+elsewhere='preparing.png validity.png long-run.svg mitsuba.webp export-plates.png elsewhere.webp'
 
 # pages: README.md and the pages that docs/SUMMARY.md links to, once each.
 pages() {
