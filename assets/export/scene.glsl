@@ -81,6 +81,7 @@ struct Question {
     float lit;   // part of the light above the horizon
     float clear; // part of the light that nothing shadows
     mat3 frame;  // columns tangent, bitangent and normal, in which the directions are
+    vec3 face;   // normal of the face, toward the viewer
     float blur;  // variance of (u, v) along an axis over the pixel
 };
 
@@ -103,6 +104,7 @@ Question on_shape(vec2 pixel) {
     Spot here = spot_at(pixel), right = spot_at(pixel + vec2(1.0, 0.0)), above = spot_at(pixel + vec2(0.0, 1.0));
     Question q;
     q.frame = here.frame;
+    q.face = here.frame[2];
     q.light = to_light * here.frame;
     q.viewer = viewer_of(here) * here.frame;
     vec3 to_right = viewer_of(right) * right.frame, to_above = viewer_of(above) * above.frame;
@@ -126,6 +128,7 @@ Question on_hemisphere(vec2 pixel) {
     float r2 = dot(at, at), step = 2.0 / size.x;
     Question q;
     q.frame = mat3(1.0);
+    q.face = vec3(0.0, 0.0, 1.0);
     q.light = to_light;
     q.viewer = vec3(at, sqrt(max(1.0 - r2, 0.0)));
     q.viewer.z = max(q.viewer.z, sqrt(FILTER * step));
@@ -141,6 +144,7 @@ Question on_hemisphere(vec2 pixel) {
 Question listed(int column) {
     Question q;
     q.frame = mat3(1.0);
+    q.face = vec3(0.0, 0.0, 1.0);
     q.blur = 0.0;
     q.light = texelFetch(list, ivec2(column, 0), 0).xyz;
     q.viewer = texelFetch(list, ivec2(column, 1), 0).xyz;

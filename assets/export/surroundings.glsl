@@ -16,15 +16,16 @@ vec3 radiance_toward(vec3 toward, float deviation) {
     return textureLod(surroundings, place, max(log2(2.0 * deviation / texel), 0.0)).rgb;
 }
 
-// Returns what the specular order mirrors.
+// Returns what the specular order mirrors; nothing from below the face.
 vec3 mirrored(Question q) {
     float cosine = q.viewer.z;
+    vec3 toward = q.frame * vec3(-q.viewer.xy, cosine);
     DiffractPair pair = diffract_pair_of(vec3(-q.viewer.xy, cosine), q.viewer, diffract_medium);
     float place = pair.w / 2.0;
     float lobe = diffract_table_row(place, 0).a;
     vec3 xyz = diffract_table_row(place, DIFFRACT_MEAN_ROW - 1).rgb * diffract_table_factor(pair);
-    vec3 radiance = radiance_toward(q.frame * vec3(-q.viewer.xy, cosine), sqrt(q.blur + lobe / max(cosine, 0.1)));
-    return cosine > 1e-3 ? DIFFRACT_LINEAR_SRGB_FROM_XYZ * xyz * radiance / cosine : vec3(0.0);
+    vec3 radiance = radiance_toward(toward, sqrt(q.blur + lobe / max(cosine, 0.1)));
+    return cosine > 1e-3 && dot(toward, q.face) > 0.0 ? DIFFRACT_LINEAR_SRGB_FROM_XYZ * xyz * radiance / cosine : vec3(0.0);
 }
 
 // Returns XYZ of f cos(theta_i) [1/sr] without the specular order, averaged over a round footprint of this variance: a mixture of two levels, `source_round_xyz` of

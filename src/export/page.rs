@@ -160,7 +160,9 @@ pub fn write(
 fn policy() -> String {
     // The document has a line break on both sides of each.
     let [script, style, still] = [SCRIPT, STYLE, STILL_STYLE].map(|text| source_of(&format!("\n{text}\n")));
-    format!("default-src 'none'; script-src {script}; style-src {style} {still}; img-src data: blob:; base-uri 'none'; form-action 'none'")
+    format!(
+        "default-src 'none'; script-src {script}; style-src {style} {still}; img-src data: blob:; base-uri 'none'; form-action 'none'"
+    )
 }
 
 /// Returns `words` as HTML, by the names that the document has for them.
@@ -223,7 +225,9 @@ mod tests {
         let (conformance, table) = small_table();
         assert!(page.contains("<h1 id=\"name\">a &lt;b&gt; &amp; {{texels}}</h1>"));
         assert_eq!(page.matches("</script>").count(), page.matches("<script").count());
-        assert!(page.contains("&lt;/script&gt;&lt;b&gt;") && page.contains("\\u003cb>") && !page.contains("<b>"));
+        assert!(
+            page.contains("&lt;/script&gt;&lt;b&gt;") && page.contains("\\u003cb>") && !page.contains("<b>")
+        );
         let texels = BASE64_STANDARD.encode(ktx2::write(&table));
         assert_eq!(page.matches(&texels).count(), 1);
         assert_eq!(page.matches("{{").count(), 3, "the name, in the title, the heading and the words");

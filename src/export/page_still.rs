@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Width and height \[pixels\].
-pub const SIDE: usize = 256;
+pub const SIDE: usize = 320;
 /// Angles of the camera \[rad\], as the page opens with.
 const YAW: f64 = -0.42;
 const PITCH: f64 = 0.36;

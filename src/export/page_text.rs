@@ -23,7 +23,10 @@ pub fn escaped(text: &str) -> String {
 
 /// Returns names and values as the content of a list of definitions.
 pub fn definitions(pairs: &[(String, String)]) -> String {
-    pairs.iter().map(|(name, value)| format!("<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(value))).collect()
+    pairs
+        .iter()
+        .map(|(name, value)| format!("<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(value)))
+        .collect()
 }
 
 /// Returns `lines` as the items of a list.

@@ -63,8 +63,8 @@ pub fn write(
     let sphere = page_still::sphere(&material.table, &subject.optics.reflectance, &light);
     let still = Raster::colors(page_still::SIDE, sphere);
     let pictures = PagePictures { relief: relief.png()?, still: still.png()? };
-    let text = page::write(material, &words, &pictures, &light, subject.mesh)
-        .map_err(|e| e.at(path.display()))?;
+    let text =
+        page::write(material, &words, &pictures, &light, subject.mesh).map_err(|e| e.at(path.display()))?;
     write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, e)))
 }
 
@@ -140,6 +140,7 @@ fn trust(description: &MaterialDescription) -> Vec<String> {
             "The surroundings are the {SURROUNDINGS} of this program: {PARTS} directions, each averaged over its part, and a picture 128 pixels wide for what the surface mirrors. They cast no \
              shadows, and “all directions at once” leaves them out."
         ),
-        "The matt layer, the surroundings and the shapes are added by the page; they are not measured.".to_owned(),
+        "The matt layer, the surroundings and the shapes are added by the page; they are not measured."
+            .to_owned(),
     ]
 }
