@@ -176,7 +176,7 @@ function bindMesh() {
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
 }
 
-// Gives the scene its textures. `wait` is called between them, so that hands find the page ready.
+// Gives the scene its textures, and calls `wait` between them.
 async function bindAll(wait) {
   gl.useProgram(scene.program);
   const units = { diffract_table: 0, diffract_functions: 1, list: 2, shadow: 4, surroundings: 5 };

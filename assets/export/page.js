@@ -56,6 +56,18 @@ function radiance(width, height) {
 // Waits until what the page shows so far is on the screen.
 const shown = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 0)));
 
+// Compiles the programs and gives them all that they read. `wait` is called between the steps, so that hands find the page ready.
+async function prepare(wait) {
+  openDevice();
+  await wait();
+  scene = startProgram(text("material") + text("colour") + text("scene"));
+  depths = startProgram(DEPTH_ALONE);
+  await Promise.all([scene, depths].map(finishProgram));
+  uniforms = scene.uniforms;
+  await bindAll(wait);
+  ready = true;
+}
+
 async function begin() {
   placeBar();
   addEventListener("resize", placeBar);
@@ -66,14 +78,7 @@ async function begin() {
   watchControls();
   draw();
   await shown();
-  openDevice();
-  await shown();
-  scene = startProgram(text("material") + text("colour") + text("scene"));
-  depths = startProgram(DEPTH_ALONE);
-  await Promise.all([scene, depths].map(finishProgram));
-  uniforms = scene.uniforms;
-  await bindAll(shown);
-  ready = true;
+  await prepare(shown);
   expose();
   draw();
   await shown();

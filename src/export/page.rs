@@ -117,7 +117,7 @@ pub fn write(
         bar: words.bar.share,
         directions: words.directions,
         mesh: mesh.map(|mesh| [mesh.vertices, mesh.triangles]),
-        surroundings: [light.parts.len(), light.width()],
+        surroundings: [light.parts.len(), light.width],
     };
     // Inside of a script element, a tag would end it.
     let about = serde_json::to_string(&about).map_err(no_words)?.replace('<', "\\u003c");

@@ -31,6 +31,8 @@ pub struct PageLight {
     environment: Environment,
     /// Parts with light.
     pub parts: Vec<Part>,
+    /// Width of the picture in [`Self::bytes`].
+    pub width: usize,
 }
 
 impl PageLight {
@@ -50,7 +52,8 @@ impl PageLight {
             }
         };
         let parts = (0..PARTS).map(part).filter(|part| part.irradiance != DVec3::ZERO).collect();
-        Ok(Self { environment, parts })
+        let width = environment.levels().iter().map(|level| level.size[0]).find(|w| *w <= WIDTH).unwrap_or(1);
+        Ok(Self { environment, parts, width })
     }
 
     /// Returns the radiance from a unit vector of the page's world.
@@ -58,9 +61,9 @@ impl PageLight {
         self.environment.radiance(DVec3::new(toward.x, -toward.z, toward.y))
     }
 
-    /// Returns the width of the picture in [`Self::bytes`].
-    pub fn width(&self) -> usize {
-        self.environment.levels().iter().map(|level| level.size[0]).find(|w| *w <= WIDTH).unwrap_or(1)
+    /// Returns the height of a texel of the picture \[rad\].
+    pub fn texel(&self) -> f64 {
+        2.0 * PI / self.width as f64
     }
 
     /// Returns the parts, each as eight 32-bit floats: direction, variance, irradiance, mean; then the levels of the picture from the finest on, linear sRGB as
@@ -72,7 +75,7 @@ impl PageLight {
         };
         let parts = self.parts.iter().flat_map(numbers).flat_map(|number| (number as f32).to_le_bytes());
         let levels = self.environment.levels();
-        let small = levels.iter().filter(|level| level.size[0] <= WIDTH);
+        let small = levels.iter().filter(|level| level.size[0] <= self.width);
         let texels = small.flat_map(|level| level.radiance.iter().flat_map(|c| c.to_array()));
         parts.chain(texels.flat_map(|c| f16::from_f32(c).to_le_bytes())).collect()
     }
@@ -103,7 +106,7 @@ mod tests {
         let light = PageLight::new("sky").unwrap();
         let texels: usize = (0..8).map(|level| (WIDTH >> level) * (WIDTH / 2 >> level).max(1)).sum();
         let bytes = light.bytes();
-        assert_eq!([light.width(), bytes.len()], [WIDTH, 32 * light.parts.len() + 6 * texels]);
+        assert_eq!([light.width, bytes.len()], [WIDTH, 32 * light.parts.len() + 6 * texels]);
         let at = |i: usize| f16::from_le_bytes([bytes[i], bytes[i + 1]]).to_f64();
         let first = DVec3::new(at(32 * light.parts.len()), at(32 * light.parts.len() + 2), 0.0);
         // The top row is the zenith.

@@ -37,7 +37,10 @@ struct Still<'a> {
     around: &'a PageLight,
     camera: DMat3,
     to_light: DVec3,
+    /// Variance of the directions of the light.
     spread: f64,
+    /// Variance of (u, v) of the specular order.
+    lobe: f64,
 }
 
 /// Point of the sphere that a pixel shows.
@@ -65,6 +68,7 @@ pub fn sphere(table: &Arc<ColorTable>, reflectance: &Reflectance, around: &PageL
         camera: DMat3::from_cols(right, back.cross(right), back),
         to_light: DVec3::new(x, y, (1.0 - x * x - y * y).sqrt()),
         spread: SPREAD.to_radians().powi(2),
+        lobe: table.header.specular.variances.first().copied().unwrap_or_default(),
     };
     let parts = still.of_parts();
     let pixels: Vec<_> =
@@ -154,14 +158,26 @@ impl Still<'_> {
         xyz_to_linear_srgb(xyz) * PI * lit
     }
 
-    /// Returns the radiance of the surroundings in the mirrored direction.
+    /// Returns the radiance of the surroundings in the mirrored direction, averaged over the specular order and the texels of the page's picture of them.
     fn mirrored(&self, here: &Spot) -> DVec3 {
+        /// Points on either side of the middle, and the distance between two in standard deviations.
+        const REACH: i32 = 2;
+        const APART: f64 = 0.9;
         if here.view.z <= 1e-3 {
             return DVec3::ZERO;
         }
-        let toward = here.frame * DVec3::new(-here.view.x, -here.view.y, here.view.z);
-        let weight = xyz_to_linear_srgb(self.reader.mirrored(here.view, self.reflectance));
-        weight * self.around.radiance(toward) / here.view.z
+        let apart = APART * (self.lobe + self.around.texel().powi(2) / 4.0).sqrt();
+        let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+        for (i, j) in (-REACH..=REACH).flat_map(|i| (-REACH..=REACH).map(move |j| (i, j))) {
+            let off = DVec2::new(f64::from(i), f64::from(j));
+            let across = (off * apart - here.view.truncate()).clamp_length_max(0.999);
+            let toward = here.frame * across.extend((1.0 - across.length_squared()).sqrt());
+            let weight = (-0.5 * APART * APART * off.length_squared()).exp();
+            sum += self.around.radiance(toward) * weight;
+            weights += weight;
+        }
+        let mirrored = xyz_to_linear_srgb(self.reader.mirrored(here.view, self.reflectance));
+        mirrored * sum / (weights * here.view.z)
     }
 
     /// Returns what all parts of the surroundings scatter to the eye, and their irradiance, at every [`STEP`]th column and row.
