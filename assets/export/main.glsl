@@ -1,9 +1,6 @@
 // Colour of a pixel of any view.
 
 void main() {
-    if (view == VIEW_SHADOW) {
-        return;
-    }
     vec2 at = (2.0 * gl_FragCoord.xy - size) / size;
     vec3 background = mix(upper, lower, clamp(0.5 * dot(at - vec2(0.0, 0.25), at - vec2(0.0, 0.25)), 0.0, 1.0));
     if (view == VIEW_BACKDROP) {
@@ -32,12 +29,17 @@ void main() {
     const float IRRADIANCE = 3.14159265;
     const float AMBIENT = 0.12;
     radiance *= IRRADIANCE * q.lit * q.clear;
+    vec3 matt = vec3(max(q.light.z, 0.0) * q.clear);
+    if (parts == 0) {
+        matt += AMBIENT * (0.4 + 0.6 * max(q.viewer.z, 0.0));
+    } else if (q.cover > 0.0) {
+        radiance += of_surroundings(q, matt);
+    }
     if (as_radiance) {
         color = vec4(radiance, q.cover);
         return;
     }
-    float matt = pigment * (max(q.light.z, 0.0) * q.clear + AMBIENT * (0.4 + 0.6 * max(q.viewer.z, 0.0)));
-    vec3 shown = neutral(radiance * exposure + matt);
+    vec3 shown = neutral(radiance * exposure + pigment * matt);
     if (view == VIEW_HEMISPHERE) {
         color = vec4(srgb_codes(shown) * q.cover, q.cover);
         return;

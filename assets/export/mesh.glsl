@@ -44,6 +44,8 @@ Question on_mesh() {
     vec3 turned = dot(mesh_normal, face) < 0.0 ? vec3(1.0, -1.0, -1.0) : vec3(1.0);
     q.viewer *= turned;
     q.light *= turned;
+    q.face = face;
+    q.frame = mat3(turned.x * tangent, turned.y * bitangent, turned.z * normal);
     vec2 uv = diffract_uv(q.light, q.viewer, mat3(1.0));
     q.dx = FILTER * dFdx(uv);
     q.dy = FILTER * dFdy(uv);

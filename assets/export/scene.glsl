@@ -1,8 +1,8 @@
 // Pictures of the page: a shape under one light, the hemisphere of viewers, or the colours of listed directions. The page puts material.es.glsl and
-// color.glsl before it, and mesh.glsl and main.glsl behind it.
+// color.glsl before it, and mesh.glsl, surroundings.glsl and main.glsl behind it.
 
 const int SHAPE_SPHERE = 0, SHAPE_DISC = 1, SHAPE_PLATE = 2, SHAPE_MESH = 3;
-const int VIEW_SHAPE = 0, VIEW_HEMISPHERE = 1, VIEW_LIST = 2, VIEW_SHADOW = 3, VIEW_BACKDROP = 4;
+const int VIEW_SHAPE = 0, VIEW_HEMISPHERE = 1, VIEW_LIST = 2, VIEW_BACKDROP = 4;
 
 uniform int view;
 uniform int shape;
@@ -80,10 +80,14 @@ struct Question {
     float cover; // part of the pixel that the shape covers
     float lit;   // part of the light above the horizon
     float clear; // part of the light that nothing shadows
+    mat3 frame;  // columns tangent, bitangent and normal, in which the directions are
+    vec3 face;   // normal of the face, toward the viewer
+    float blur;  // variance of (u, v) along an axis over the pixel
 };
 
-// The footprint to whose covariance that of the light is added, whose directions vary by `light_spread` across it.
+// Adds to the covariance of the footprint that of the light, whose directions vary by `light_spread` across it.
 void widen(inout Question q) {
+    q.blur = 0.5 * (dot(q.dx, q.dx) + dot(q.dy, q.dy));
     float uu = q.dx.x * q.dx.x + q.dy.x * q.dy.x + light_spread * (1.0 - q.light.x * q.light.x);
     float uv = q.dx.x * q.dx.y + q.dy.x * q.dy.y - light_spread * q.light.x * q.light.y;
     float vv = q.dx.y * q.dx.y + q.dy.y * q.dy.y + light_spread * (1.0 - q.light.y * q.light.y);
@@ -99,6 +103,8 @@ const float FILTER = 0.5;
 Question on_shape(vec2 pixel) {
     Spot here = spot_at(pixel), right = spot_at(pixel + vec2(1.0, 0.0)), above = spot_at(pixel + vec2(0.0, 1.0));
     Question q;
+    q.frame = here.frame;
+    q.face = here.frame[2];
     q.light = to_light * here.frame;
     q.viewer = viewer_of(here) * here.frame;
     vec3 to_right = viewer_of(right) * right.frame, to_above = viewer_of(above) * above.frame;
@@ -121,6 +127,8 @@ Question on_hemisphere(vec2 pixel) {
     vec2 at = (2.0 * pixel - size) / size;
     float r2 = dot(at, at), step = 2.0 / size.x;
     Question q;
+    q.frame = mat3(1.0);
+    q.face = vec3(0.0, 0.0, 1.0);
     q.light = to_light;
     q.viewer = vec3(at, sqrt(max(1.0 - r2, 0.0)));
     q.viewer.z = max(q.viewer.z, sqrt(FILTER * step));
@@ -135,6 +143,9 @@ Question on_hemisphere(vec2 pixel) {
 
 Question listed(int column) {
     Question q;
+    q.frame = mat3(1.0);
+    q.face = vec3(0.0, 0.0, 1.0);
+    q.blur = 0.0;
     q.light = texelFetch(list, ivec2(column, 0), 0).xyz;
     q.viewer = texelFetch(list, ivec2(column, 1), 0).xyz;
     vec4 footprint = texelFetch(list, ivec2(column, 2), 0);

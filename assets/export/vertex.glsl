@@ -1,5 +1,5 @@
 #version 300 es
-// Places the corners of a triangle that covers the picture, or those of the mesh, as the camera or the light sees it.
+// Places the corners of a triangle that covers the picture behind all else, or those of the mesh, as the camera or the light sees it.
 precision highp float;
 precision highp int;
 
@@ -16,6 +16,9 @@ uniform mat3 light_axes;
 
 const int SHAPE_MESH = 3;
 const int VIEW_SHAPE = 0, VIEW_SHADOW = 3;
+
+// Two programs draw the same depths.
+invariant gl_Position;
 
 out vec3 mesh_place;
 out vec3 mesh_view;      // to the eye in components of T, B and N, linear in the position
@@ -44,6 +47,6 @@ void main() {
         vec2 across = focal * min(size.x, size.y) / size * seen.xy;
         gl_Position = vec4(across, ((far + near) * depth - 2.0 * far * near) / (far - near), depth);
     } else {
-        gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
+        gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 1.0, 1.0);
     }
 }

@@ -50,9 +50,12 @@ def by_mitsuba(folder, theta, phi):
 def by_browser(folder):
     """Returns linear sRGB and the coverage by the page of the material."""
     page = folder / "page.html"
-    hands = f"<script>Object.assign(state, {{ shape: PLATE, yaw: 0, pitch: {PITCH}, distance: {NEARER}, light: {list(LIGHT)} }});"
-    hands += f"document.documentElement.dataset.radiance = radiance({SIDE}, {SIDE}).join();</script></body>"
-    page.write_text(page.read_text().replace("</body>", hands))
+    # The page allows its script alone, and prepares itself once it is on a screen.
+    document = re.sub('<meta http-equiv="Content-Security-Policy"[^>]*>', "", page.read_text())
+    hands = "<script>const opened = openDevice; openDevice = () => { opened(); parallel = null; }; prepare(async () => {}).then(() => {"
+    hands += f"element('around').checked = false; Object.assign(state, {{ shape: PLATE, yaw: 0, pitch: {PITCH}, distance: {NEARER}, light: {list(LIGHT)} }});"
+    hands += f"document.documentElement.dataset.radiance = radiance({SIDE}, {SIDE}).join(); }});</script></body>"
+    page.write_text(document.replace("</body>", hands))
     command = ["chromium", *CHROMIUM.split(), f"--user-data-dir={folder / 'profile'}", f"file://{page}"]
     document = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     numbers = re.search('data-radiance="([^"]*)"', document)[1]

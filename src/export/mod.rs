@@ -18,7 +18,11 @@ pub mod flat;
 mod folder;
 pub mod ktx2;
 pub mod page;
+pub mod page_light;
 pub mod page_mesh;
+pub mod page_still;
+mod page_text;
+mod sha256;
 pub mod shader;
 pub mod translation;
 

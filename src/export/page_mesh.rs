@@ -91,7 +91,7 @@ fn packed(vertex: &Vertex, place: Vec3, angle: f32) -> [u8; VERTEX] {
 }
 
 /// Returns a vector of a world whose up is +z in that of the page, whose up is +y and whose viewer is in front, at +z.
-fn upright(v: Vec3) -> Vec3 {
+pub(super) fn upright(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }
 

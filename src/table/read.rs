@@ -7,7 +7,7 @@ use crate::filter::{self, Covariance, Levels, Tap, Taps};
 use crate::optics::geometry::Pair;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::spectrum::MIDDLE;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -51,14 +51,39 @@ impl TableReader {
         if !pair.above_horizon() {
             return DVec3::ZERO;
         }
+        let specular = self.specular(-pair.uvw().truncate(), pair.uvw().z.abs(), footprint);
+        self.scattered(pair, reflectance, footprint) + specular * self.share(pair, reflectance)
+    }
+
+    /// Returns the same without the specular order.
+    pub fn scattered(&self, pair: &Pair, reflectance: &Reflectance, footprint: &Covariance) -> DVec3 {
+        if !pair.above_horizon() {
+            return DVec3::ZERO;
+        }
         let uvw = pair.uvw();
         let (toward, w) = (-uvw.truncate(), uvw.z.abs());
         let (level, taps) = self.taps(footprint);
         let read = |tap: Tap| self.at(toward + tap.place, w, level + usize::from(tap.coarser)) * tap.weight;
         let sum: DVec3 = taps.each().map(read).sum();
-        let colour = sum * (w * w) + self.specular(toward, w, footprint);
+        sum * (w * w) * self.share(pair, reflectance)
+    }
+
+    /// Returns XYZ of the specular order toward `view` from the mirrored direction, integrated over (u, v). Twin of `source_mirrored` in
+    /// `source_table.glsl`.
+    pub fn mirrored(&self, view: DVec3, reflectance: &Reflectance) -> DVec3 {
+        let pair = Pair::new(DVec3::new(-view.x, -view.y, view.z), view);
+        if !pair.above_horizon() {
+            return DVec3::ZERO;
+        }
+        let weights = self.table.header.specular.weights.iter();
+        let sum: DVec3 = weights.map(|weights| Self::weight(weights, pair.uvw().z.abs())).sum();
+        sum * self.share(&pair, reflectance)
+    }
+
+    /// Returns the factor of X, Y and Z over |w|², within the limit of energy.
+    fn share(&self, pair: &Pair, reflectance: &Reflectance) -> DVec3 {
         let limit = self.energy.as_ref().map_or(1.0, |points| EnergyMap::limit_of(points, pair));
-        colour * self.factor(pair, reflectance) / (w * w * limit)
+        self.factor(pair, reflectance) / (pair.uvw().z.powi(2) * limit)
     }
 
     /// Returns the factor in front of X, Y and Z.
@@ -78,9 +103,6 @@ impl TableReader {
     /// Returns the share of the specular order.
     fn specular(&self, toward: DVec2, w: f64, footprint: &Covariance) -> DVec3 {
         let specular = &self.table.header.specular;
-        let place = w / LARGEST_W * (SPECULAR_SAMPLES - 1) as f64;
-        let sample = (place as usize).min(SPECULAR_SAMPLES - 2);
-        let share = (place - sample as f64) as f32;
         let mut sum = DVec3::ZERO;
         for (variance, weights) in specular.variances.iter().zip(&specular.weights) {
             let (xx, yy) = (variance + footprint.uu, variance + footprint.vv);
@@ -89,10 +111,17 @@ impl TableReader {
                 + xx * toward.y * toward.y)
                 / det;
             let lobe = (-0.5 * r2).exp() / (2.0 * PI * det.sqrt());
-            let (a, b) = (glam::Vec3::from(weights[sample]), glam::Vec3::from(weights[sample + 1]));
-            sum += a.lerp(b, share).as_dvec3() * lobe;
+            sum += Self::weight(weights, w) * lobe;
         }
         sum
+    }
+
+    /// Returns the weight of a band of the specular order at |w|.
+    fn weight(weights: &[[f32; 3]], w: f64) -> DVec3 {
+        let place = w / LARGEST_W * (SPECULAR_SAMPLES - 1) as f64;
+        let sample = (place as usize).min(SPECULAR_SAMPLES - 2);
+        let (a, b) = (Vec3::from(weights[sample]), Vec3::from(weights[sample + 1]));
+        a.lerp(b, (place - sample as f64) as f32).as_dvec3()
     }
 
     /// Returns the table's value at a place, |w| and level.

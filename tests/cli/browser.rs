@@ -6,11 +6,12 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
 
 /// Width and height of the screen of a small phone [CSS pixels].
 const PHONE: [u32; 2] = [375, 667];
 
-/// A tab of a browser on a phone.
+/// A tab of a browser.
 pub struct Browser {
     process: Child,
     to: ChildStdin,
@@ -29,9 +30,20 @@ impl Drop for Browser {
 }
 
 impl Browser {
-    /// Starts Chromium with an empty page, a small screen and a finger instead of a mouse.
+    /// Starts Chromium with a small screen and a finger instead of a mouse.
     pub fn on_a_phone(sandbox: &Sandbox) -> Self {
-        let chromium = chromium(sandbox);
+        let mut browser = Self::with(sandbox, &[]);
+        let [width, height] = PHONE;
+        let screen = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": true });
+        browser.call("Emulation.setDeviceMetricsOverride", screen);
+        browser.call("Emulation.setTouchEmulationEnabled", json!({ "enabled": true, "maxTouchPoints": 2 }));
+        browser
+    }
+
+    /// Starts Chromium with an empty page and further `arguments`.
+    pub fn with(sandbox: &Sandbox, arguments: &[&str]) -> Self {
+        let mut chromium = chromium(sandbox);
+        chromium.args(arguments);
         let mut command = Command::new("sh");
         // The browser listens to descriptor 3 and answers on 4. Messages end with a zero.
         command.args(["-c", "exec \"$@\" 3<&0 4>&1 >/dev/null", "sh"]);
@@ -53,11 +65,13 @@ impl Browser {
         for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
             browser.call(domain, json!({}));
         }
-        let [width, height] = PHONE;
-        let screen = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": true });
-        browser.call("Emulation.setDeviceMetricsOverride", screen);
-        browser.call("Emulation.setTouchEmulationEnabled", json!({ "enabled": true, "maxTouchPoints": 2 }));
         browser
+    }
+
+    /// Gives the page a screen of this width and height [CSS pixels], with `scale` pixels for each.
+    pub fn resize(&mut self, [width, height]: [u32; 2], scale: u32) {
+        let screen = json!({ "width": width, "height": height, "deviceScaleFactor": scale, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", screen);
     }
 
     /// Sends a command and returns its result.
@@ -88,15 +102,30 @@ impl Browser {
         }
     }
 
-    /// Opens a page of the sandbox and waits until it has drawn.
-    pub fn open(&mut self, sandbox: &Sandbox, name: &str) {
+    /// Opens a page of the sandbox.
+    pub fn load(&mut self, sandbox: &Sandbox, name: &str) {
         self.call("Page.navigate", json!({ "url": format!("file://{}", sandbox.path(name).display()) }));
-        while self.value("document.readyState === 'complete' && location.protocol === 'file:'") != true {
-            std::thread::sleep(std::time::Duration::from_millis(50));
+        self.wait("document.readyState === 'complete' && location.protocol === 'file:'");
+    }
+
+    /// Opens a page of an export and waits until it has drawn or said why it cannot.
+    pub fn open(&mut self, sandbox: &Sandbox, name: &str) {
+        self.load(sandbox, name);
+        self.wait_for_picture();
+    }
+
+    /// Waits until the page has drawn all that was asked for in full size, or said why it cannot.
+    pub fn wait_for_picture(&mut self) {
+        self.wait("['drawn', 'failed'].includes(document.documentElement.dataset.state)");
+    }
+
+    /// Waits until an expression of JavaScript is true.
+    fn wait(&mut self, expression: &str) {
+        let begin = Instant::now();
+        while self.value(expression) != true {
+            assert!(begin.elapsed() < TIMEOUT, "not {expression}");
+            std::thread::sleep(Duration::from_millis(50));
         }
-        self.value(
-            "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))",
-        );
     }
 
     /// Returns the value of an expression of JavaScript.
@@ -109,9 +138,25 @@ impl Browser {
 
     /// Returns the numbers of an expression whose value is an array.
     pub fn numbers<const N: usize>(&mut self, expression: &str) -> [f64; N] {
+        self.list(expression).try_into().unwrap()
+    }
+
+    /// Returns as many numbers as an expression has.
+    pub fn list(&mut self, expression: &str) -> Vec<f64> {
         let value = self.value(expression);
-        let numbers: Vec<f64> = value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
-        numbers.try_into().unwrap()
+        value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    }
+
+    /// Returns what the page of an export measured as its deviation from the table.
+    pub fn deviation(&mut self) -> f64 {
+        self.value("Number(document.documentElement.dataset.deviation)").as_f64().unwrap()
+    }
+
+    /// Returns the linear radiance of the shape of the page of an export, rows from the bottom, with `state` changed as this object says.
+    pub fn radiance(&mut self, side: usize, state: &str) -> Vec<[f32; 4]> {
+        let numbers = self.list(&format!("Object.assign(state, {state}); [...radiance({side}, {side})]"));
+        let numbers: Vec<f32> = numbers.into_iter().map(|x| x as f32).collect();
+        numbers.as_chunks().0.to_vec()
     }
 
     /// Returns the middle of an element on the screen.

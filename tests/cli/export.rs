@@ -1,5 +1,6 @@
 //! Materials for other programs.
 
+use crate::browser::Browser;
 use crate::render::{deviation, exr};
 use crate::sandbox::Sandbox;
 use std::process::Command;
@@ -181,42 +182,22 @@ pub fn chromium(sandbox: &Sandbox) -> Command {
     command
 }
 
-/// Opens a page in Chromium. Returns the document after its scripts ran, and the log.
-pub fn opened(sandbox: &Sandbox, name: &str) -> (String, String) {
-    let run = chromium(sandbox)
-        .args(["--timeout=60000", "--virtual-time-budget=10000", "--dump-dom"])
-        .arg(format!("file://{}", sandbox.path(name).display()))
-        .output();
-    let run = run
-        .unwrap_or_else(|e| panic!("chromium does not run ({e}): install it, as tools/setup.sh test does"));
-    (String::from_utf8_lossy(&run.stdout).into_owned(), String::from_utf8_lossy(&run.stderr).into_owned())
-}
-
-/// Returns the value that a page wrote into its document under `name`.
-pub fn noted<'a>(document: &'a str, name: &str) -> Option<&'a str> {
-    Some(document.split_once(&format!("data-{name}=\""))?.1.split_once('"')?.0)
-}
-
-/// Returns the deviation that a page measured; `None` if it did not.
-fn measured_deviation(document: &str) -> Option<f64> {
-    noted(document, "deviation")?.parse().ok()
-}
-
 #[test]
 fn a_browser_shows_the_colours_of_the_table_and_has_nothing_to_say() {
     let sandbox = Sandbox::with_small_surface().without_vulkan();
     let page = page(&sandbox, "0.05");
-    let (document, log) = opened(&sandbox, "page.html");
-    let off = measured_deviation(&document)
-        .unwrap_or_else(|| panic!("{log}\n{}", &document[..document.len().min(4000)]));
+    let mut browser = Browser::with(&sandbox, &[]);
+    browser.open(&sandbox, "page.html");
+    let off = browser.deviation();
     eprintln!("{off:e}");
     assert!(off > 0.0 && off <= 2e-3, "{off:e}");
-    assert!(!log.contains("CONSOLE"), "{log}");
+    assert!(browser.console.is_empty(), "{:?}", browser.console);
     // The page would tell of a shader that is wrong.
     let wrong = page.replace("pair.toward * diffract_source", "pair.toward.yx * diffract_source");
     assert!(wrong != page);
     sandbox.write("wrong.html", wrong);
-    let off = measured_deviation(&opened(&sandbox, "wrong.html").0).unwrap();
+    browser.open(&sandbox, "wrong.html");
+    let off = browser.deviation();
     assert!(off > 5e-2, "{off:e}");
 }
 
@@ -230,16 +211,12 @@ fn a_browser_draws_the_plate_as_this_program_does() {
     let (x, y) = (0.1f64, 0.45f64);
     let light = format!("{},{}", x.hypot(y).asin().to_degrees(), y.atan2(x).to_degrees());
     let sandbox = Sandbox::with_small_surface();
-    let page = page(&sandbox, "0");
-    let hands = format!(
-        "<script>Object.assign(state, {{ shape: PLATE, yaw: 0, pitch: {PITCH}, light: [{x}, {y}] }});\
-         document.documentElement.dataset.radiance = radiance({SIDE}, {SIDE}).join();</script></body>"
-    );
-    sandbox.write("page.html", page.replace("</body>", &hands));
-    let (document, log) = opened(&sandbox, "page.html");
-    let numbers = noted(&document, "radiance").unwrap_or_else(|| panic!("{log}"));
-    let numbers: Vec<f32> = numbers.split(',').map(|number| number.parse().unwrap()).collect();
-    let shown: Vec<[f32; 4]> = numbers.as_chunks().0.to_vec();
+    page(&sandbox, "0");
+    let mut browser = Browser::with(&sandbox, &[]);
+    browser.open(&sandbox, "page.html");
+    browser.value("element('around').checked = false");
+    let state = format!("{{ shape: PLATE, yaw: 0, pitch: {PITCH}, light: [{x}, {y}] }}");
+    let shown = browser.radiance(SIDE, &state);
     let scene = format!(
         "mesh = \"plate\"\nsurface = \"small.png\"\npixel_size = \"83.3333333nm\"\nheight = \"137.4nm\"\nlights = [\"{light}\"]\n\
          [camera]\neye = [0.0, {}, {}]\ntarget = [0.0, 0.0, 0.0]\nfield_of_view = \"{field_of_view}deg\"\n",

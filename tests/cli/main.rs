@@ -14,6 +14,7 @@ mod display;
 mod eval;
 mod export;
 mod export_page;
+mod export_page_access;
 mod export_wgsl;
 mod faults;
 mod figures;

@@ -3,8 +3,10 @@
 use crate::cli::captions;
 use crate::cli::surface::{describe, plot};
 use crate::error::Result;
-use crate::export::page::{self, PageBar, PageWords};
+use crate::export::page::{self, PageBar, PagePictures, PageWords};
+use crate::export::page_light::{PARTS, PageLight};
 use crate::export::page_mesh::PageMesh;
+use crate::export::page_still;
 use crate::export::{ExportedMaterial, MaterialDescription};
 use crate::figure::{Axis, ColorMap, ColorScale, Raster};
 use crate::optics::validity::{LightColour, ScalarTheory};
@@ -26,6 +28,9 @@ const CITATIONS: [&str; 3] = [
 
 /// Longest side of the picture of the heights \[pixels\].
 const MOST_PIXELS: usize = 560;
+
+/// Surroundings of the page.
+const SURROUNDINGS: &str = "studio";
 
 /// Surface of a page with the settings of its light.
 pub struct PageSubject<'a> {
@@ -54,8 +59,12 @@ pub fn write(
     let words = words(subject, description, range, task)?;
     let scale = ColorScale { axis: Axis::linear("", range[0], range[1]), map: ColorMap::Viridis };
     let relief = Raster::values(grid.size[0], &grid.values, scale);
+    let light = PageLight::new(SURROUNDINGS)?;
+    let sphere = page_still::sphere(&material.table, &subject.optics.reflectance, &light);
+    let still = Raster::colors(page_still::SIDE, sphere);
+    let pictures = PagePictures { relief: relief.png()?, still: still.png()? };
     let text =
-        page::write(material, &words, &relief.png()?, subject.mesh).map_err(|e| e.at(path.display()))?;
+        page::write(material, &words, &pictures, &light, subject.mesh).map_err(|e| e.at(path.display()))?;
     write_atomically(path, |file| file.write_all(text.as_bytes()).map_err(|e| write_failed(path, e)))
 }
 
@@ -105,7 +114,6 @@ fn words(
         heights: range.map(|nm| format!("{nm:.0} nm")),
         bar: PageBar { text: format!("{bar} µm"), share: bar / width },
         directions: description.errors.directions,
-        mesh: mesh.map(|mesh| [mesh.vertices, mesh.triangles]),
         name,
     })
 }
@@ -128,6 +136,11 @@ fn trust(description: &MaterialDescription) -> Vec<String> {
         format!(
             "The table holds averages over standard deviations of (u, v) from {smallest_footprint:.3} on. A pixel that covers less is drawn as an average over that."
         ),
-        "The matt layer and the shapes are added by the page; they are not measured.".to_owned(),
+        format!(
+            "The surroundings are the {SURROUNDINGS} of this program: {PARTS} directions, each averaged over its part, and a picture 128 pixels wide for what the surface mirrors. They cast no \
+             shadows, and “all directions at once” leaves them out."
+        ),
+        "The matt layer, the surroundings and the shapes are added by the page; they are not measured."
+            .to_owned(),
     ]
 }
