@@ -22,7 +22,6 @@ pub mod page_light;
 pub mod page_mesh;
 pub mod page_still;
 mod page_text;
-mod sha256;
 pub mod shader;
 pub mod translation;
 

@@ -1,6 +1,5 @@
 //! The document of a page put together from its parts: texts as HTML, and sums of what a browser may run.
 
-use super::sha256::sha256;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 
@@ -36,7 +35,7 @@ pub fn items(lines: &[String]) -> String {
 
 /// Returns the source of a Content-Security-Policy that allows an element with exactly this content.
 pub fn source_of(content: &str) -> String {
-    format!("'sha256-{}'", BASE64_STANDARD.encode(sha256(content.as_bytes())))
+    format!("'sha256-{}'", BASE64_STANDARD.encode(hmac_sha256::Hash::hash(content.as_bytes())))
 }
 
 #[cfg(test)]
