@@ -241,7 +241,7 @@ class Refusals(unittest.TestCase):
         self.assertRaisesRegex(ExportError, "truncated", Export, copy)
         about = json.loads((skin / "material.json").read_text())
         (copy / "material.json").write_text(json.dumps(about | {"version": 5}))
-        self.assertRaisesRegex(ExportError, "has version 4", Export, copy)
+        self.assertRaisesRegex(ExportError, "has version 5", Export, copy)
 
 
 if __name__ == "__main__":

@@ -6,16 +6,20 @@ from pathlib import Path
 import numpy as np
 import wgpu
 
-# Calls the function for one question in each thread. The textures of material.wgsl take bindings 0 to 2 of group 0.
+# Calls the function for one question in each thread. The function takes its textures as parameters, so that any bindings do.
 MAIN = """
 struct Question { light: vec4<f32>, viewer: vec4<f32>, footprint: vec4<f32> }
+@group(0) @binding(0) var table: texture_2d_array<f32>;
+@group(0) @binding(1) var table_sampler: sampler;
+@group(0) @binding(2) var functions: texture_2d<f32>;
 @group(0) @binding(3) var<storage, read> questions: array<Question>;
 @group(0) @binding(4) var<storage, read_write> answers: array<vec4<f32>>;
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x < arrayLength(&questions) {
         let q = questions[id.x];
-        let rgb = diffract_rgb(q.light.xyz, q.viewer.xyz, mat3x3<f32>(FRAME), q.footprint.xy, q.footprint.zw);
+        let frame = mat3x3<f32>(FRAME);
+        let rgb = diffract_rgb(q.light.xyz, q.viewer.xyz, frame, q.footprint.xy, q.footprint.zw, table, table_sampler, functions);
         answers[id.x] = vec4<f32>(rgb, 1.0);
     }
 }

@@ -3,7 +3,7 @@
 use super::conformance::Conformance;
 use super::description::{FileSum, MaterialDescription, is_description};
 use super::shader::{self, ShaderLanguage, TextureLayout};
-use super::{ExportedMaterial, flat, ktx2, translation};
+use super::{ExportedMaterial, engines, flat, ktx2, translation};
 use crate::error::{self, Error, Result};
 use crate::input;
 use crate::output::{TEMPORARY, write_failed};
@@ -25,6 +25,8 @@ const SHADERS: [&str; 4] = ["material.glsl", "material.es.glsl", "material.wgsl"
 /// Names of the function that reads plain images.
 const FLAT_SHADERS: [&str; 4] =
     ["material2d.glsl", "material2d.es.glsl", "material2d.wgsl", "material2d.hlsl"];
+/// Names of the function for Godot, Unity and Unreal.
+const ENGINE_SHADERS: [&str; 3] = ["material.gdshader", "material.unity.hlsl", "material.ush"];
 /// The files that the description has sums of, but for the shaders.
 const DESCRIBED: [&str; 6] = [TABLE, TEXELS, FLAT_TEXELS, DIRECTIONS, FUNCTIONS, FLAT_FUNCTIONS];
 /// Files of exports of former versions.
@@ -32,7 +34,7 @@ const FORMER: [&str; 1] = ["table.exr"];
 
 /// Returns the names of the files that the description has sums of.
 fn described() -> impl Iterator<Item = &'static str> {
-    DESCRIBED.into_iter().chain(SHADERS).chain(FLAT_SHADERS)
+    DESCRIBED.into_iter().chain(SHADERS).chain(FLAT_SHADERS).chain(ENGINE_SHADERS)
 }
 
 /// Fails if an export must not stand at `folder`: asked before long work whose result would be lost.
@@ -124,6 +126,8 @@ pub fn write(
         ];
         names.into_iter().zip(texts).try_for_each(|(name, text)| add(name, text.into_bytes()))?;
     }
+    let texts = [engines::write_godot(header), engines::UNITY.to_owned(), engines::write_unreal(header)?];
+    ENGINE_SHADERS.into_iter().zip(texts).try_for_each(|(name, text)| add(name, text.into_bytes()))?;
     let text = description.to_text().map_err(not_written)?;
     put(&draft.path().join(MATERIAL), text.as_bytes(), folder)?;
     give_name(draft, folder)

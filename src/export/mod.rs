@@ -10,10 +10,12 @@
 //! | `table2d.exr`, `functions.exr` | the same texels and functions as plain images ([`flat`]) |
 //! | `material.glsl`, `material.es.glsl`, `material.wgsl`, `material.hlsl` | the function that reads the textures ([`shader`], [`translation`]) |
 //! | `material2d.glsl`, … | the function that reads the plain images |
+//! | `material.gdshader`, `material.unity.hlsl`, `material.ush` | the same for game engines ([`engines`]) |
 //! | `conformance.csv` | directions with footprints, their exact colours, and those of the table ([`Conformance`]) |
 
 mod conformance;
 mod description;
+pub mod engines;
 pub mod flat;
 mod folder;
 pub mod ktx2;
@@ -22,6 +24,7 @@ pub mod page_light;
 pub mod page_mesh;
 pub mod page_still;
 mod page_text;
+mod parameters;
 pub mod shader;
 pub mod translation;
 

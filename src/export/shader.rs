@@ -54,6 +54,10 @@ const PARTS: [&str; 6] = [
     include_str!("../../shaders/export/entry.glsl"),
 ];
 
+/// Line that tells where GLSL stands.
+pub(super) const PLACE_OF_GLSL: &str =
+    "// It stands behind #version 450, or what your program puts in front of shaders.\n";
+
 /// Hint to unroll a loop, which needs an extension.
 const UNROLL: &str = "UNROLL ";
 
@@ -77,7 +81,7 @@ pub fn write(header: &TableHeader, language: ShaderLanguage, layout: TextureLayo
         env!("CARGO_PKG_VERSION"),
         ". Call diffract_rgb, the last function below.\n"
     );
-    let place = format!("// It stands behind {version}, or what your program puts in front of shaders.\n");
+    let place = PLACE_OF_GLSL.replace("#version 450", version);
     format!("{about}// Textures: diffract_table is {files}.\n{place}\n{precision}{text}")
 }
 
@@ -139,14 +143,14 @@ const bool LIMITED = {limited}; // whether the surface reflects no more than a f
 const SPECTRAL: u32 = 0;
 const SMALL_SLOPE_INDICES: u32 = 4;
 
-/// Returns the refractive indices of the factor.
+/// Returns the refractive indices of the factor. Their name is that of no parameter, which Godot would refuse.
 fn medium(header: &TableHeader) -> String {
     let triple = |of: fn(&IndexTriple) -> [f64; 3], other: f64| {
         let [x, y, z] = header.indices.as_ref().map_or([other; 3], of).map(|x| format!("{:?}", x as f32));
         format!("vec3({x}, {y}, {z})")
     };
     let (n, k) = (triple(|indices| indices.n, 1.0), triple(|indices| indices.k, 0.0));
-    format!("\nconst Medium medium = Medium({n}, {k});\n")
+    format!("\nconst Medium indices = Medium({n}, {k});\n")
 }
 
 /// A piece of GLSL.

@@ -1,5 +1,7 @@
-//! The function that reads an export in WGSL and HLSL, translated from its GLSL by naga.
+//! The function that reads an export in WGSL and HLSL, translated from its GLSL by naga. It takes textures and samplers as parameters, so that it stands in any program
+//! as it is: no bindings, no registers.
 
+use super::parameters::with_parameters;
 use super::shader::{self, ShaderLanguage, TextureLayout};
 use crate::error::{Error, Result};
 use crate::table::TableHeader;
@@ -14,21 +16,29 @@ const APART: [(&str, &str); 4] = [
     (
         "DIFFRACT_LAYOUT(0) uniform sampler2DArray diffract_table;",
         "layout(set = 0, binding = 0) uniform texture2DArray diffract_table_texture;
-layout(set = 0, binding = 1) uniform sampler diffract_sampler;
-#define diffract_table sampler2DArray(diffract_table_texture, diffract_sampler)",
+layout(set = 0, binding = 1) uniform sampler diffract_table_sampler;
+#define diffract_table sampler2DArray(diffract_table_texture, diffract_table_sampler)",
     ),
     (
         "DIFFRACT_LAYOUT(0) uniform sampler2D diffract_table;",
         "layout(set = 0, binding = 0) uniform texture2D diffract_table_texture;
-layout(set = 0, binding = 1) uniform sampler diffract_sampler;
-#define diffract_table sampler2D(diffract_table_texture, diffract_sampler)",
+layout(set = 0, binding = 1) uniform sampler diffract_table_sampler;
+#define diffract_table sampler2D(diffract_table_texture, diffract_table_sampler)",
     ),
     (
         "DIFFRACT_LAYOUT(1) uniform sampler2D diffract_functions;",
         "layout(set = 0, binding = 2) uniform texture2D diffract_functions_texture;
-#define diffract_functions sampler2D(diffract_functions_texture, diffract_sampler)",
+#define diffract_functions sampler2D(diffract_functions_texture, diffract_table_sampler)",
     ),
 ];
+
+/// Order of the lines of images in HLSL.
+const LAST_ROW_FIRST: &str = "\
+// Define it as true in front if your loader puts the last line of an image first, as that of Unity does.
+#ifndef DIFFRACT_LAST_ROW_FIRST
+#define DIFFRACT_LAST_ROW_FIRST false
+#endif
+";
 
 /// End of the program, which the translator asks for.
 const MAIN: &str = "void main() {}\n";
@@ -54,7 +64,7 @@ pub fn write_wgsl(header: &TableHeader, layout: TextureLayout) -> Result<String>
 /// Same as [`write_wgsl`].
 pub fn write_hlsl(header: &TableHeader, layout: TextureLayout) -> Result<String> {
     let (module, info) = parsed(header, layout)?;
-    let options = hlsl::Options { fake_missing_bindings: true, ..hlsl::Options::default() };
+    let options = hlsl::Options::default();
     let pipeline = hlsl::PipelineOptions::default();
     let mut text = String::new();
     hlsl::Writer::new(&mut text, &options, &pipeline).write(&module, &info, None).map_err(failed)?;
@@ -70,9 +80,12 @@ pub fn write_hlsl(header: &TableHeader, layout: TextureLayout) -> Result<String>
 fn textures(layout: TextureLayout, nearest: &str) -> String {
     match layout {
         TextureLayout::Array => format!(
-            "// diffract_table_texture is table.ktx2 with diffract_sampler: linear, {nearest} between levels, clamped. diffract_functions_texture is functions.ktx2.\n\n"
+            "// table_texture is table.ktx2 with table_sampler: linear, {nearest} between levels, clamped. functions_texture is functions.ktx2.\n\n"
         ),
-        TextureLayout::Flat => "// diffract_table_texture is table2d.exr, diffract_functions_texture is functions.exr; any diffract_sampler does.\n\n".to_owned(),
+        TextureLayout::Flat => {
+            "// table_texture is table2d.exr, functions_texture is functions.exr; no sampler is needed.\n\n"
+                .to_owned()
+        }
     }
 }
 
@@ -86,6 +99,8 @@ fn parsed(header: &TableHeader, layout: TextureLayout) -> Result<(Module, Module
     let mut module = glsl::Frontend::default().parse(&options, &text).map_err(failed)?;
     module.entry_points.clear();
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::default());
+    let info = validator.validate(&module).map_err(|e| failed(e.into_inner()))?;
+    let module = with_parameters(module, &info, |name| name.trim_start_matches("diffract_"));
     let info = validator.validate(&module).map_err(|e| failed(e.into_inner()))?;
     Ok((module, info))
 }
@@ -107,14 +122,11 @@ fn without_main(text: &str) -> Result<&str> {
 
 /// Returns naga's HLSL `text` without what only a program of wgpu has, or only some compilers take, and with names that begin with `diffract`.
 fn in_plain_hlsl(text: &str) -> String {
-    /// naga's heap of all samplers, which programs of others do not have.
-    const HEAP: [&str; 3] =
-        ["nagaSamplerHeap[2048]", "nagaComparisonSamplerHeap[2048]", "nagaGroup0SamplerIndexArray :"];
     let line = |line: &str| {
-        if HEAP.iter().any(|part| line.contains(part)) || is_padding(line) {
+        if is_padding(line) {
             String::new()
-        } else if line.starts_with("static const SamplerState diffract_sampler =") {
-            "SamplerState diffract_sampler : register(s0);\n".to_owned()
+        } else if line.starts_with("static const bool DIFFRACT_LAST_ROW_FIRST =") {
+            LAST_ROW_FIRST.to_owned()
         } else if line.starts_with("static const ") {
             with_braces(line) + "\n"
         } else {
@@ -133,7 +145,7 @@ fn prefixed(text: &str) -> String {
         let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
         let (word, after) = rest.split_at(end);
         written.push_str(match word {
-            word if word.starts_with("Construct") => "Diffract",
+            word if word.starts_with("Construct") || word.starts_with("Naga") => "Diffract",
             word if word.starts_with("naga_") || word.starts_with("ret_Construct") => "diffract_",
             _ => "",
         });
@@ -193,13 +205,13 @@ mod tests {
         Validator::new(ValidationFlags::all(), Capabilities::default()).validate(&module).unwrap();
         let (_, last) = module.functions.iter().last().unwrap();
         assert_eq!(last.name.as_deref(), Some("diffract_rgb"));
-        assert_eq!(module.global_variables.len(), 3);
+        assert_eq!(module.global_variables.len(), 0);
         let broken = text.replace("fn diffract_uv", "fn diffract_xy(");
         assert!(naga::front::wgsl::parse_str(&broken).is_err());
     }
 
     #[test]
-    fn hlsl_has_one_sampler_and_no_heap() {
+    fn hlsl_has_no_registers_and_no_heap() {
         let (_, table) = small_table();
         for layout in [TextureLayout::Array, TextureLayout::Flat] {
             assert_is_plain_hlsl(&write_hlsl(&table.header, layout).unwrap());
@@ -207,8 +219,7 @@ mod tests {
     }
 
     fn assert_is_plain_hlsl(text: &str) {
-        assert_eq!(text.matches("SamplerState").count(), 1, "{text}");
-        assert!(!text.contains("naga_heap") && !text.contains("Heap"));
+        assert!(!text.contains("register(") && !text.contains("Heap"), "{text}");
         for line in text.lines().filter(|line| line.ends_with(") {") && !line.starts_with(' ')) {
             let name =
                 line.split(['(']).next().and_then(|head| head.split(' ').next_back()).unwrap_or_default();

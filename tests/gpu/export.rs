@@ -1,6 +1,7 @@
 //! The function that reads an export, as GLSL, WGSL and HLSL on the device, against the table.
 
 use crate::device::with_device;
+use crate::export_engines::{godot_in_glsl, unity_in_hlsl, unreal_in_hlsl};
 use ash::vk;
 use diffract::internals::export::{
     Conformance, ExportReader, ExportSettings, ExportedMaterial, MaterialDescription, PortErrors, write,
@@ -33,6 +34,9 @@ enum Language {
     Glsl,
     Wgsl,
     Hlsl,
+    Godot,
+    Unity,
+    Unreal,
 }
 
 /// Textures that a shader reads.
@@ -69,6 +73,9 @@ const WGSL_MAIN: &str = include_str!("../export_main.wgsl");
 
 const HLSL_MAIN: &str = "
 struct Question { float4 light; float4 viewer; float4 footprint; };
+[[vk::binding(0, 0)]] Texture2DArray<float4> table;
+[[vk::binding(1, 0)]] SamplerState table_sampler;
+[[vk::binding(2, 0)]] Texture2D<float4> functions;
 [[vk::binding(3, 0)]] StructuredBuffer<Question> questions;
 [[vk::binding(4, 0)]] RWStructuredBuffer<float4> answers;
 [numthreads(64, 1, 1)]
@@ -77,7 +84,7 @@ void main(uint3 id : SV_DispatchThreadID) {
     questions.GetDimensions(count, stride);
     if (id.x < count) {
         Question q = questions[id.x];
-        answers[id.x] = float4(diffract_rgb(q.light.xyz, q.viewer.xyz, FRAME, q.footprint.xy, q.footprint.zw), 1.0);
+        answers[id.x] = float4(diffract_rgb(q.light.xyz, q.viewer.xyz, FRAME, q.footprint.xy, q.footprint.zw, table, table_sampler, functions), 1.0);
     }
 }
 ";
@@ -124,8 +131,8 @@ fn texture(device: &Arc<Device>, reader: &ExportReader, name: &str) -> Image {
     image
 }
 
-/// Puts a plain OpenEXR image of `reader` on the device.
-fn plain_texture(device: &Arc<Device>, reader: &ExportReader, name: &str) -> Image {
+/// Puts a plain OpenEXR image of `reader` on the device, with its last line first where a language reads it so.
+fn plain_texture(device: &Arc<Device>, reader: &ExportReader, name: &str, language: Language) -> Image {
     let image = exr::image::read::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -140,6 +147,10 @@ fn plain_texture(device: &Arc<Device>, reader: &ExportReader, name: &str) -> Ima
         let i = ["R", "G", "B", "A"].iter().position(|name| channel.name.eq(name)).unwrap();
         let values = channel.sample_data.values_as_f32();
         texels.iter_mut().zip(values).for_each(|(texel, value)| texel[i] = value);
+    }
+    if language == Language::Unity {
+        let lines: Vec<_> = texels.chunks(layer.size.x()).rev().flatten().copied().collect();
+        texels = lines;
     }
     let is_half = matches!(layer.channel_data.list[0].sample_data, FlatSamples::F16(_));
     let format = if is_half { vk::Format::R16G16B16A16_SFLOAT } else { vk::Format::R32G32B32A32_SFLOAT };
@@ -158,12 +169,23 @@ fn plain_texture(device: &Arc<Device>, reader: &ExportReader, name: &str) -> Ima
     image
 }
 
+/// Returns the end of a program with the textures of `layout`: plain images are no arrays, and are read without a sampler.
+fn with_textures(main: &str, layout: Layout) -> String {
+    match layout {
+        Layout::Array => main.to_owned(),
+        Layout::Flat => ["Array", "_array", " table_sampler,"]
+            .iter()
+            .fold(main.to_owned(), |main, part| main.replace(part, "")),
+    }
+}
+
 /// Compiles the exported shader with a main function.
 fn compiled(reader: &ExportReader, Reading { language, layout, frame }: Reading) -> Vec<u8> {
+    let file = |name: &str| String::from_utf8(reader.file(name).unwrap()).unwrap();
     let text = |name: &str| {
         let name =
             if layout == Layout::Flat { name.replace("material", "material2d") } else { name.to_owned() };
-        String::from_utf8(reader.file(&name).unwrap()).unwrap()
+        file(&name)
     };
     let frame = |matrix: &str, vector: &str| {
         let columns = frame.map(|[x, y, z]| format!("{vector}({x:?}, {y:?}, {z:?})"));
@@ -178,23 +200,28 @@ fn compiled(reader: &ExportReader, Reading { language, layout, frame }: Reading)
             )
         }
         Language::Hlsl => {
-            let main = HLSL_MAIN.replace("FRAME", &frame("float3x3", "float3"));
-            let numbered = [("t0", 0), ("s0", 1), ("t2", 2)].iter().fold(
-                text("material.hlsl"),
-                |text, (register, number)| {
-                    let lines = text.lines().map(|line| {
-                        match line.strip_suffix(&format!(" : register({register});")) {
-                            Some(declaration) => format!("[[vk::binding({number}, 0)]] {declaration};\n"),
-                            None => format!("{line}\n"),
-                        }
-                    });
-                    lines.collect()
-                },
-            );
-            by_glslang(&(numbered + &main), shaderc::SourceLanguage::HLSL)
+            let main = with_textures(HLSL_MAIN, layout).replace("FRAME", &frame("float3x3", "float3"));
+            by_glslang(&(text("material.hlsl") + &main), shaderc::SourceLanguage::HLSL)
         }
-        Language::Wgsl => by_naga(
-            &(text("material.wgsl") + &WGSL_MAIN.replace("FRAME", &frame("mat3x3<f32>", "vec3<f32>"))),
+        Language::Wgsl => {
+            let main = with_textures(WGSL_MAIN, layout).replace("FRAME", &frame("mat3x3<f32>", "vec3<f32>"));
+            by_naga(&(text("material.wgsl") + &main))
+        }
+        Language::Godot => by_glslang(
+            &godot_in_glsl(&file("material.gdshader"), &frame("mat3", "vec3")),
+            shaderc::SourceLanguage::GLSL,
+        ),
+        Language::Unity => {
+            let text = unity_in_hlsl(
+                &file("material.unity.hlsl"),
+                &file("material2d.hlsl"),
+                &frame("float3x3", "float3"),
+            );
+            by_glslang(&text, shaderc::SourceLanguage::HLSL)
+        }
+        Language::Unreal => by_glslang(
+            &unreal_in_hlsl(&file("material.ush"), &frame("float3x3", "float3")),
+            shaderc::SourceLanguage::HLSL,
         ),
     }
 }
@@ -247,7 +274,9 @@ fn answers(
     let answered = Buffer::new(device, "answers", bytes, storage, MemoryLocation::GpuToCpu).unwrap();
     let [texels, functions] = match layout {
         Layout::Array => ["table.ktx2", "functions.ktx2"].map(|name| texture(device, reader, name)),
-        Layout::Flat => ["table2d.exr", "functions.exr"].map(|name| plain_texture(device, reader, name)),
+        Layout::Flat => {
+            ["table2d.exr", "functions.exr"].map(|name| plain_texture(device, reader, name, language))
+        }
     };
     let (by_level, nearest) = (
         Sampler::levels(device, "table sampler").unwrap(),
@@ -257,7 +286,7 @@ fn answers(
     let list = vk::DescriptorType::STORAGE_BUFFER;
     // Samplers are apart from textures but in GLSL.
     let kinds = match language {
-        Language::Glsl => vec![
+        Language::Glsl | Language::Godot => vec![
             vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
             vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
             list,
@@ -274,7 +303,7 @@ fn answers(
     let lists = kinds.len() as u32 - 2;
     let bindings: Vec<_> = (0..).zip(kinds).map(|(number, kind)| Binding { number, kind, stages }).collect();
     let set = Descriptors::new(device, "material set", &bindings).unwrap();
-    if language == Language::Glsl {
+    if matches!(language, Language::Glsl | Language::Godot) {
         set.image(0, &texels, &by_level);
         set.image(1, &functions, &nearest);
     } else {
@@ -339,4 +368,44 @@ fn the_exported_wgsl_gives_the_colours_of_the_table_and_a_turned_frame_does_not(
 #[test]
 fn the_exported_hlsl_gives_the_colours_of_the_table_and_a_turned_frame_does_not() {
     compare(Language::Hlsl);
+}
+
+/// Compares the colours of the text for an engine, which reads plain images, with the table, and those of a turned frame, which must not agree.
+fn compare_engine(language: Language) {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path().join("material");
+    exported(&folder);
+    let reader = ExportReader::open(&folder).unwrap();
+    let conformance = reader.check().unwrap();
+    with_device(|device| {
+        let layout = Layout::Flat;
+        let errors = |frame| {
+            conformance.errors_of(&answers(
+                device,
+                &reader,
+                &conformance,
+                Reading { language, layout, frame },
+            ))
+        };
+        let right = errors(STANDARD);
+        eprintln!("{language:?}: {right:?}");
+        assert!(right.within(&PortErrors::RIGHT), "{right:?}");
+        let turned = errors(TURNED);
+        assert!(turned.relative_l2 > 10.0 * PortErrors::RIGHT.relative_l2, "{turned:?}");
+    });
+}
+
+#[test]
+fn the_shader_for_godot_lights_both_sides_by_the_colours_of_the_table_and_a_turned_frame_does_not() {
+    compare_engine(Language::Godot);
+}
+
+#[test]
+fn the_function_for_unity_reads_images_from_their_last_line_and_gives_the_colours_of_the_table() {
+    compare_engine(Language::Unity);
+}
+
+#[test]
+fn the_node_for_unreal_gives_the_colours_of_the_table_with_a_bitangent_that_points_down() {
+    compare_engine(Language::Unreal);
 }

@@ -10,6 +10,7 @@ mod device;
 mod display;
 mod evaluation;
 mod export;
+mod export_engines;
 mod extremes;
 mod faults;
 
