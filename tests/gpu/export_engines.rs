@@ -112,16 +112,21 @@ pub fn unity_in_hlsl(text: &str, included: &str, frame: &str) -> String {
     format!("{HLSL_HEAD}struct UnityTexture2D {{ Texture2D tex; }};\n{text}{UNITY_CALL}{main}")
 }
 
-/// Returns the code of a Custom node of Unreal as a program of HLSL. Its structures stand before the function of the node: glslang takes calls in methods of a structure in a
-/// function for calls of that function by itself. B of Unreal points down.
+/// Returns the code of a Custom node of Unreal as a program of HLSL, with functions outside of their structure: glslang does not compile methods that call each other. B of
+/// Unreal points down.
 pub fn unreal_in_hlsl(text: &str, frame: &str) -> String {
-    let body = text.find("\n// The colour of the pixel.").expect("the body of the node");
-    let (declared, body) = text.split_at(body);
+    let text = changed(
+        text,
+        &[("\nstruct DiffractFunctions {\n", "\n"), ("DiffractFunctions diffract_functions;\n", "")],
+    );
+    let text = text.replace("diffract_functions.", "");
+    let (declared, body) =
+        text.split_once("\n};\n\n// The colour of the pixel.").expect("the body of the node");
     let main = HLSL_MAIN.replace("FRAME", frame);
     format!(
         "{HLSL_HEAD}struct Inputs {{ float3x3 TangentToWorld; float3 CameraVector; }};
 {declared}
-float3 node(Inputs Parameters, Texture2D Table, Texture2D Functions, float3 Light) {{{body}}}
+float3 node(Inputs Parameters, Texture2D Table, Texture2D Functions, float3 Light) {{ // {body}}}
 float3 colour(float3 light, float3 viewer, float3x3 frame) {{
     Inputs inputs;
     inputs.CameraVector = viewer;
