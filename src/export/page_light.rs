@@ -14,7 +14,7 @@ const WIDTH: usize = 128;
 
 /// Part of the surroundings, in the page's world, whose up is +y.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Part {
+pub struct PagePart {
     /// Unit vector toward it.
     pub direction: DVec3,
     /// Variance of its directions along each axis across `direction`.
@@ -30,7 +30,7 @@ pub struct PageLight {
     /// Surroundings that all of it is of.
     environment: Environment,
     /// Parts with light.
-    pub parts: Vec<Part>,
+    pub parts: Vec<PagePart>,
     /// Width of the picture in [`Self::bytes`].
     pub width: usize,
 }
@@ -44,7 +44,7 @@ impl PageLight {
         let environment = Environment::open(name)?;
         let part = |i| {
             let part = environment.incident(i, PARTS);
-            Part {
+            PagePart {
                 direction: upright(part.direction.as_vec3()).as_dvec3(),
                 variance: part.variance,
                 irradiance: part.irradiance.as_dvec3() * (PI / f64::from(PARTS)),
@@ -69,7 +69,7 @@ impl PageLight {
     /// Returns the parts, each as eight 32-bit floats: direction, variance, irradiance, mean; then the levels of the picture from the finest on, linear sRGB as
     /// 16-bit floats. All are little-endian.
     pub fn bytes(&self) -> Vec<u8> {
-        let numbers = |part: &Part| {
+        let numbers = |part: &PagePart| {
             let ([x, y, z], [r, g, b]) = (part.direction.to_array(), part.irradiance.to_array());
             [x, y, z, part.variance, r, g, b, part.mean]
         };
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn the_picture_follows_the_parts_level_by_level() {
         let light = PageLight::new("sky").unwrap();
-        let texels: usize = (0..8).map(|level| (WIDTH >> level) * (WIDTH / 2 >> level).max(1)).sum();
+        let texels: usize = (0..8).map(|level| (WIDTH >> level) * (WIDTH >> (level + 1)).max(1)).sum();
         let bytes = light.bytes();
         assert_eq!([light.width, bytes.len()], [WIDTH, 32 * light.parts.len() + 6 * texels]);
         let at = |i: usize| f16::from_le_bytes([bytes[i], bytes[i + 1]]).to_f64();
