@@ -20,7 +20,7 @@ vec3 radiance_toward(vec3 toward, float deviation) {
 vec3 mirrored(Question q) {
     float cosine = q.viewer.z;
     vec3 toward = q.frame * vec3(-q.viewer.xy, cosine);
-    DiffractPair pair = diffract_pair_of(vec3(-q.viewer.xy, cosine), q.viewer, diffract_medium);
+    DiffractPair pair = diffract_pair_of(vec3(-q.viewer.xy, cosine), q.viewer, diffract_indices);
     float place = pair.w / 2.0;
     float lobe = diffract_table_row(place, 0).a;
     vec3 xyz = diffract_table_row(place, DIFFRACT_MEAN_ROW - 1).rgb * diffract_table_factor(pair);
@@ -61,7 +61,7 @@ vec3 of_surroundings(Question q, inout vec3 irradiance) {
         vec3 light = part_toward[i].xyz * q.frame;
         irradiance += part_light[i].rgb * mean_cosine(light.z, part_light[i].a) * brightness / PI;
         if (light.z > HORIZON) {
-            DiffractPair pair = diffract_pair_of(light, q.viewer, diffract_medium);
+            DiffractPair pair = diffract_pair_of(light, q.viewer, diffract_indices);
             sum += DIFFRACT_LINEAR_SRGB_FROM_XYZ * round_xyz(pair, part_toward[i].w + q.blur) * part_light[i].rgb;
         }
     }
