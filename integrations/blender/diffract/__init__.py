@@ -1,5 +1,6 @@
 """Light that scanned surfaces diffract, in Blender: materials of exports, and a render engine."""
 
+import pathlib
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
@@ -51,8 +52,6 @@ class DiffractImport(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context):
-        import pathlib
-
         folder = pathlib.Path(bpy.path.abspath(self.filepath))
         folder = folder if folder.is_dir() else folder.parent
         suns = lights.usable(context.scene.objects)

@@ -44,7 +44,6 @@ class DiffractEngine(bpy.types.RenderEngine):
     bl_label = "diffract"
     bl_use_preview = False
     bl_use_eevee_viewport = True
-    bl_use_shading_nodes_custom = False
 
     def update_render_passes(self, scene=None, renderlayer=None):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")

@@ -2,8 +2,6 @@
 
 import math
 
-import bpy
-
 # The direction toward a sun, the z axis of its rotation x, y, z.
 TOWARD_SUN = ("cos(x)*sin(y)*cos(z)+sin(x)*sin(z)", "cos(x)*sin(y)*sin(z)-sin(x)*cos(z)", "cos(x)*cos(y)")
 
@@ -74,7 +72,3 @@ def direction_and_irradiance(tree, light):
 def usable(objects):
     """Returns those of the objects that are suns or point lights."""
     return [thing for thing in objects if thing.type == "LIGHT" and thing.data.type in ("SUN", "POINT")]
-
-
-def all_in(scene):
-    return usable(bpy.data.objects if scene is None else scene.objects)
