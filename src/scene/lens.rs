@@ -78,7 +78,7 @@ impl Lens {
         if !self.roll.is_finite() {
             return Err(Error::usage("the roll of the camera is no angle", "0deg is upright"));
         }
-        if self.shift.iter().any(|s| !(s.abs() <= Self::MOST_SHIFT)) {
+        if !self.shift.iter().all(|s| s.abs() <= Self::MOST_SHIFT) {
             return Err(Error::usage(
                 format!(
                     "the shift of the lens is not within -{0} to {0} heights of the picture",
