@@ -61,19 +61,9 @@ vec3 source_xyz(Pair pair, Footprint footprint) {
     return table_scattered(pair, footprint);
 }
 
-// Returns the average over a round footprint of this radius, a mixture of two levels. That is no Gaussian, but serves for light whose distribution is not known.
+// Returns the average over a round footprint of this radius.
 vec3 source_round_xyz(Pair pair, float radius) {
-    float variance = max(radius * radius, source.finest);
-    float level = min(level_of_ratio((variance - source.finest) * source.per_growth + 1.0), source.last_level);
-    float next = min(level + 1.0, source.last_level);
-    Levels levels = Levels(variance_of_level(level), variance_of_level(next), source.coherence);
-    float share = next > level ? share_between(levels, variance) : 0.0;
-    Piece piece = piece_of(pair.w);
-    vec2 place = pair.toward * source.texture_per_uv + 0.5;
-    Numbers average = NOTHING;
-    add_place(average, 1.0 - share, place, storage_of(level, piece));
-    add_place(average, share, place, storage_of(next, piece));
-    return table_value(pair, average, piece);
+    return table_round(pair, radius * radius);
 }
 
 // Never used: a table has no single wavelengths.

@@ -128,3 +128,19 @@ vec3 table_scattered(Pair pair, Footprint footprint) {
     }
     return table_value(pair, average, piece);
 }
+
+// Returns XYZ of f cos(theta_i) [1/sr] without the specular order, averaged over a round footprint of this variance, a mixture of two levels. That is no Gaussian, but serves for light
+// whose distribution is not known.
+vec3 table_round(Pair pair, float variance) {
+    variance = max(variance, source.finest);
+    float level = min(level_of_ratio((variance - source.finest) * source.per_growth + 1.0), source.last_level);
+    float next = min(level + 1.0, source.last_level);
+    Levels levels = Levels(variance_of_level(level), variance_of_level(next), source.coherence);
+    float share = next > level ? share_between(levels, variance) : 0.0;
+    Piece piece = piece_of(pair.w);
+    vec2 place = pair.toward * source.texture_per_uv + 0.5;
+    Numbers average = NOTHING;
+    add_place(average, 1.0 - share, place, storage_of(level, piece));
+    add_place(average, share, place, storage_of(next, piece));
+    return table_value(pair, average, piece);
+}

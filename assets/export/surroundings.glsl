@@ -28,23 +28,6 @@ vec3 mirrored(Question q) {
     return cosine > 1e-3 && dot(toward, q.face) > 0.0 ? DIFFRACT_LINEAR_SRGB_FROM_XYZ * xyz * radiance / cosine : vec3(0.0);
 }
 
-// Returns XYZ of f cos(theta_i) [1/sr] without the specular order, averaged over a round footprint of this variance: a mixture of two levels, `source_round_xyz` of
-// shaders/source_table.glsl.
-vec3 round_xyz(DiffractPair pair, float variance) {
-    DiffractTable table = diffract_source;
-    variance = max(variance, table.finest);
-    float level = min(diffract_level_of_ratio((variance - table.finest) * table.per_growth + 1.0), table.last_level);
-    float next = min(level + 1.0, table.last_level);
-    DiffractLevels levels = DiffractLevels(diffract_variance_of_level(level), diffract_variance_of_level(next), table.coherence);
-    float share = next > level ? diffract_share_between(levels, variance) : 0.0;
-    DiffractPiece piece = diffract_piece_of(pair.w);
-    vec2 place = pair.toward * table.texture_per_uv + 0.5;
-    DiffractNumbers average = DIFFRACT_NOTHING;
-    diffract_add_place(average, 1.0 - share, place, diffract_storage_of(level, piece));
-    diffract_add_place(average, share, place, diffract_storage_of(next, piece));
-    return diffract_table_value(pair, average, piece);
-}
-
 // Returns the mean of max(cos, 0) over the directions of a part: `mean_cosine` of src/scene/incident.rs.
 float mean_cosine(float cosine, float mean) {
     float whole = mean * cosine, along = (1.0 - mean) * (1.0 - mean);
@@ -62,7 +45,7 @@ vec3 of_surroundings(Question q, inout vec3 irradiance) {
         irradiance += part_light[i].rgb * mean_cosine(light.z, part_light[i].a) * brightness / PI;
         if (light.z > HORIZON) {
             DiffractPair pair = diffract_pair_of(light, q.viewer, diffract_indices);
-            sum += DIFFRACT_LINEAR_SRGB_FROM_XYZ * round_xyz(pair, part_toward[i].w + q.blur) * part_light[i].rgb;
+            sum += DIFFRACT_LINEAR_SRGB_FROM_XYZ * diffract_table_round(pair, part_toward[i].w + q.blur) * part_light[i].rgb;
         }
     }
     return sum * brightness;

@@ -58,7 +58,7 @@ pub fn write_unreal(header: &TableHeader) -> Result<String> {
     let hlsl = translation::write_hlsl(header, TextureLayout::Flat)?;
     let (mut others, mut functions) = (String::new(), String::new());
     for item in items(&hlsl) {
-        let first = item.trim_start().lines().next().unwrap_or_default();
+        let first = item.trim_start().lines().next().unwrap_or_default(); // nothing is no function
         let is_function = first.contains('(') && !first.starts_with("static") && !first.starts_with("//");
         if is_function { &mut functions } else { &mut others }.push_str(item);
     }

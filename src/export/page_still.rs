@@ -68,7 +68,7 @@ pub fn sphere(table: &Arc<ColorTable>, reflectance: &Reflectance, around: &PageL
         camera: DMat3::from_cols(right, back.cross(right), back),
         to_light: DVec3::new(x, y, (1.0 - x * x - y * y).sqrt()),
         spread: SPREAD.to_radians().powi(2),
-        lobe: table.header.specular.variances.first().copied().unwrap_or_default(),
+        lobe: table.header.specular.variances.first().copied().unwrap_or_default(), // no bands: no lobe
     };
     let parts = still.of_parts();
     let pixels: Vec<_> =
@@ -93,6 +93,7 @@ fn exposure(pixels: &[(DVec3, DVec3, f64)]) -> f64 {
     let seen = pixels.iter().filter(|(_, _, cover)| *cover > 0.5);
     let mut bright: Vec<f64> = seen.map(|(radiance, ..)| LUMINANCE.dot(*radiance)).collect();
     bright.sort_by(f64::total_cmp);
+    // Without a lit pixel the factor is 1.
     let high = bright.get((SHARE * bright.len() as f64) as usize).copied().unwrap_or_default();
     if high > 0.0 { (WHITE / high).clamp(2f64.powi(-20), 2f64.powi(20)) } else { 1.0 }
 }

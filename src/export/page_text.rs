@@ -6,7 +6,7 @@ use base64::prelude::BASE64_STANDARD;
 /// Puts `values` in the place of `{{their names}}` in `template`. What stands in a value stays as it is.
 pub fn filled(template: &str, values: &[(&str, &str)]) -> String {
     let mut pieces = template.split("{{");
-    let mut text = pieces.next().unwrap_or_default().to_owned();
+    let mut text = pieces.next().unwrap_or_default().to_owned(); // a split has a first piece
     for piece in pieces {
         let (name, after) = piece.split_once("}}").unwrap_or(("", piece));
         text.push_str(values.iter().find(|(key, _)| *key == name).map_or("", |(_, value)| value));

@@ -328,6 +328,15 @@ fn answers(
     read.iter().map(|[r, g, b, _]| DVec3::new(f64::from(*r), f64::from(*g), f64::from(*b))).collect()
 }
 
+/// Fails where the `colours` in the standard frame are not those of the table, or those in a turned frame are nearly.
+fn assert_right(name: &str, conformance: &Conformance, colours: impl Fn([[f32; 3]; 3]) -> Vec<DVec3>) {
+    let right = conformance.errors_of(&colours(STANDARD));
+    eprintln!("{name}: {right:?}");
+    assert!(right.within(&PortErrors::RIGHT), "{name}: {right:?}");
+    let turned = conformance.errors_of(&colours(TURNED));
+    assert!(turned.relative_l2 > 10.0 * PortErrors::RIGHT.relative_l2, "{name}: {turned:?}");
+}
+
 /// Compares the colours of `language` with the table, from both layouts of the textures, and those of a turned frame, which must not agree.
 fn compare(language: Language) {
     let place = tempfile::tempdir().unwrap();
@@ -339,11 +348,7 @@ fn compare(language: Language) {
         let colours =
             |layout, frame| answers(device, &reader, &conformance, Reading { language, layout, frame });
         for layout in [Layout::Array, Layout::Flat] {
-            let right = conformance.errors_of(&colours(layout, STANDARD));
-            eprintln!("{language:?}, {layout:?}: {right:?}");
-            assert!(right.within(&PortErrors::RIGHT), "{layout:?}: {right:?}");
-            let turned = conformance.errors_of(&colours(layout, TURNED));
-            assert!(turned.relative_l2 > 10.0 * PortErrors::RIGHT.relative_l2, "{layout:?}: {turned:?}");
+            assert_right(&format!("{language:?}, {layout:?}"), &conformance, |frame| colours(layout, frame));
         }
         let pairs = colours(Layout::Flat, STANDARD).into_iter().zip(colours(Layout::Array, STANDARD));
         let (apart, all) = pairs.fold((0.0, 0.0), |(apart, all), (flat, array)| {
@@ -378,20 +383,9 @@ fn compare_engine(language: Language) {
     let reader = ExportReader::open(&folder).unwrap();
     let conformance = reader.check().unwrap();
     with_device(|device| {
-        let layout = Layout::Flat;
-        let errors = |frame| {
-            conformance.errors_of(&answers(
-                device,
-                &reader,
-                &conformance,
-                Reading { language, layout, frame },
-            ))
-        };
-        let right = errors(STANDARD);
-        eprintln!("{language:?}: {right:?}");
-        assert!(right.within(&PortErrors::RIGHT), "{right:?}");
-        let turned = errors(TURNED);
-        assert!(turned.relative_l2 > 10.0 * PortErrors::RIGHT.relative_l2, "{turned:?}");
+        assert_right(&format!("{language:?}"), &conformance, |frame| {
+            answers(device, &reader, &conformance, Reading { language, layout: Layout::Flat, frame })
+        });
     });
 }
 
