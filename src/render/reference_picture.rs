@@ -19,12 +19,12 @@ use crate::optics::geometry::Pair;
 use crate::optics::nufft;
 use crate::optics::reference::Reference;
 use crate::optics::spectrum::{Illuminant, SHORTEST};
-use crate::scene::camera::pixel_in_clip;
+use crate::scene::camera::pixel_centre;
 use crate::scene::incident::mean_cosine;
 use crate::settings::Optics;
 use crate::surface::HeightField;
 use crate::task::Task;
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -278,8 +278,7 @@ pub fn displayed_of(view: &View, size: [u32; 2], radiance: &[[f32; 4]], shown: S
         return displayed(radiance, shown);
     };
     displayed_before(radiance, shown, &|i| {
-        let place = (pixel_in_clip(i, size) + 1.0) / 2.0 * DVec2::new(size[0].into(), size[1].into());
-        let toward = view.camera.sight(place, size).direction.normalize();
+        let toward = view.camera.sight(pixel_centre(i, size), size).direction.normalize();
         shown.tone.map(environment.radiance(toward) * shown.exposure.exp2())
     })
 }

@@ -191,10 +191,14 @@ impl Camera {
     }
 }
 
+/// Returns the centre of pixel number `pixel`, row by row from the top, in a picture of `size` pixels \[pixels from its upper left corner\].
+pub fn pixel_centre(pixel: usize, size: [u32; 2]) -> DVec2 {
+    DVec2::new((pixel % size[0] as usize) as f64, (pixel / size[0] as usize) as f64) + 0.5
+}
+
 /// Returns the centre of pixel number `pixel` in clip space, for a picture of `size` pixels, row by row from the top.
 pub fn pixel_in_clip(pixel: usize, size: [u32; 2]) -> DVec2 {
-    let place = DVec2::new((pixel % size[0] as usize) as f64, (pixel / size[0] as usize) as f64);
-    (place + 0.5) / DVec2::new(size[0].into(), size[1].into()) * 2.0 - 1.0
+    pixel_centre(pixel, size) / DVec2::new(size[0].into(), size[1].into()) * 2.0 - 1.0
 }
 
 /// Shifts `clip_from_world` of a picture of `size` pixels so that the centre of each pixel shows the point `jitter` pixels from it: x to

@@ -106,7 +106,7 @@ pub(super) struct CameraDocument {
     /// Height of what an orthographic camera shows.
     pub height: Option<f32>,
     pub roll: Option<String>,
-    pub shift: Option<[f32; 2]>,
+    pub shift: Option<Exactly<f32, 2>>,
 }
 
 impl CameraDocument {
@@ -127,7 +127,8 @@ impl CameraDocument {
             }
         };
         let roll = self.roll.as_ref().map_or(Ok(0.0), radians)?;
-        let lens = Lens { roll, shift: self.shift.unwrap_or_default(), ..lens };
+        let Exactly(shift) = self.shift.unwrap_or_default(); // none is no shift
+        let lens = Lens { roll, shift, ..lens };
         Camera::looking(self.eye.0.into(), self.target.0.into(), lens)
     }
 }
@@ -150,23 +151,32 @@ fn one() -> f32 {
     1.0
 }
 
-/// Exactly three values; serde's arrays of three would take the first three of more.
-#[derive(Clone, Copy, Default, Deserialize, Serialize)]
+/// Exactly three values.
+pub(super) type Triple<T> = Exactly<T, 3>;
+
+/// Exactly `N` values; serde's arrays would take the first `N` of more.
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[serde(try_from = "Vec<T>", into = "Vec<T>")]
 #[serde(bound(serialize = "T: Copy + Serialize", deserialize = "T: Copy + Deserialize<'de>"))]
-pub(super) struct Triple<T: Copy>(pub [T; 3]);
+pub(super) struct Exactly<T: Copy, const N: usize>(pub [T; N]);
 
-impl<T: Copy> TryFrom<Vec<T>> for Triple<T> {
+impl<T: Copy + Default, const N: usize> Default for Exactly<T, N> {
+    fn default() -> Self {
+        Self([T::default(); N])
+    }
+}
+
+impl<T: Copy, const N: usize> TryFrom<Vec<T>> for Exactly<T, N> {
     type Error = String;
 
     fn try_from(numbers: Vec<T>) -> Result<Self, String> {
         let count = numbers.len();
-        numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where 3 belong"))
+        numbers.try_into().map(Self).map_err(|_| format!("{count} numbers where {N} belong"))
     }
 }
 
-impl<T: Copy> From<Triple<T>> for Vec<T> {
-    fn from(Triple(values): Triple<T>) -> Self {
+impl<T: Copy, const N: usize> From<Exactly<T, N>> for Vec<T> {
+    fn from(Exactly(values): Exactly<T, N>) -> Self {
         values.to_vec()
     }
 }
@@ -256,7 +266,7 @@ impl Serialize for Background {
     fn serialize<S: Serializer>(&self, into: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Surroundings => into.serialize_str("surroundings"),
-            Self::Color(color) => Triple(color.to_array()).serialize(into),
+            Self::Color(color) => Exactly(color.to_array()).serialize(into),
         }
     }
 }

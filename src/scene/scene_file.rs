@@ -12,7 +12,7 @@ use super::object::{
     BUILT_IN_MESHES, Grooves, MAX_OBJECTS, MeshSource, Object, Pose, Up, check_colors, open_mesh,
     reflectance, steps, surface_name,
 };
-use super::scene_document::{Angle, EnvironmentDocument, ObjectDocument, SceneDocument, Triple};
+use super::scene_document::{Angle, EnvironmentDocument, Exactly, ObjectDocument, SceneDocument};
 use super::scene_options::{self, FileOptions};
 use crate::error::{Error, Remedy, Result};
 use crate::input;
@@ -109,7 +109,7 @@ impl EnvironmentDocument {
 impl ObjectDocument {
     /// Opens the object; names of files are relative to `folder`.
     fn open(self, folder: &Path, task: &Task) -> Result<Object> {
-        let named_color = self.base_color.map(|Triple(color)| color);
+        let named_color = self.base_color.map(|Exactly(color)| color);
         check_colors(named_color.into_iter().flatten().map(f64::from))?;
         let pose = Pose {
             position: self.position.0.into(),
@@ -241,7 +241,7 @@ impl Scene {
             file.up = overrides.up;
         }
         let background = file.background.color().to_array();
-        let ground = file.ground.map(|Triple(color)| color);
+        let ground = file.ground.map(|Exactly(color)| color);
         check_colors(ground.unwrap_or_default().map(f64::from).into_iter().chain(background))?;
         if !(-40.0..=40.0).contains(&file.exposure.stops) {
             return Err(Error::input("the exposure is not within -40 to 40 stops", "0 is a good start"));

@@ -3,8 +3,8 @@
 use super::environment;
 use super::object::{Grooves, Object};
 use super::scene_document::{
-    Angle, CameraDocument, EnvironmentDocument, ObjectDocument, SceneDocument, SceneExposure, ToneName,
-    Triple,
+    Angle, CameraDocument, EnvironmentDocument, Exactly, ObjectDocument, SceneDocument, SceneExposure,
+    ToneName,
 };
 use super::scene_file::Scene;
 use super::scene_options::OptionValue;
@@ -26,8 +26,8 @@ impl ObjectDocument {
             mesh: path(&object.mesh_source.name)?,
             up: Some(object.mesh_source.up),
             part: object.mesh_source.part.clone(),
-            position: Triple(object.pose.position.to_array()),
-            rotation: Triple(object.pose.rotation.map(Angle)),
+            position: Exactly(object.pose.position.to_array()),
+            rotation: Exactly(object.pose.rotation.map(Angle)),
             size: object.pose.size,
             surface: surface.map(|surface| path(Path::new(&surface.name))).transpose()?,
             pixel_size: surface.and_then(|surface| surface.pixel_size).map(micrometres),
@@ -36,7 +36,7 @@ impl ObjectDocument {
             grooves: grooves(&object.grooves, folder)?,
             material,
             film,
-            base_color: Some(Triple(object.base_color.to_array())),
+            base_color: Some(Exactly(object.base_color.to_array())),
             pigment: object.pigment.as_deref().map(path).transpose()?,
         })
     }
@@ -101,7 +101,7 @@ impl Scene {
             grooves: main.grooves,
             material: main.material,
             film: main.film,
-            ground: ground.first().map(|ground| Triple(ground.base_color.to_array())),
+            ground: ground.first().map(|ground| Exactly(ground.base_color.to_array())),
             exposure: SceneExposure { stops: self.display.exposure, is_auto: self.display.auto_exposure },
             tone: ToneName(self.display.tone),
             background: self.display.background,
@@ -170,12 +170,12 @@ fn camera_document(camera: &Camera) -> CameraDocument {
         LensProjection::Orthographic { height } => (None, Some(height)),
     };
     CameraDocument {
-        eye: Triple(eye_of(camera).to_array()),
-        target: Triple(camera.target.to_array()),
+        eye: Exactly(eye_of(camera).to_array()),
+        target: Exactly(camera.target.to_array()),
         field_of_view,
         height,
         roll: (roll != 0.0).then(|| format!("{}deg", degrees(roll))),
-        shift: (shift != [0.0; 2]).then_some(shift),
+        shift: (shift != [0.0; 2]).then_some(Exactly(shift)),
     }
 }
 

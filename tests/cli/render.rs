@@ -431,6 +431,7 @@ fn lenses_of_a_scene_and_of_options_are_one_picture() {
         ("roll = \"1deg\"", "not one of field_of_view and height"),
         ("height = 0", "not a positive number"),
         ("height = 1\nshift = [0, 1e9]", "shift of the lens"),
+        ("height = 1\nshift = [0, 0.1, 0.2]", "3 numbers where 2 belong"),
         ("height = 1\nroll = \"1\"", "deg"),
     ] {
         sandbox.write("bad.toml", scene(lens));

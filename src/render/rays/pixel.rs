@@ -6,6 +6,7 @@ use super::triangles::{Ray, Triangle};
 use super::{RayObject, RayScene, RaySettings};
 use crate::render::frame::View;
 use crate::render::light_passes::LightPass;
+use crate::scene::camera::pixel_centre;
 use crate::scene::incident::mean_cosine;
 use crate::scene::{Environment, Incident};
 use glam::{DVec2, DVec3};
@@ -78,8 +79,7 @@ impl RayFrame<'_> {
     /// Returns the ray through the sample position in pixel number `pixel`, offset by `beside` \[pixels\].
     fn ray(&self, pixel: usize, beside: DVec2) -> Ray {
         let size = self.settings.size;
-        let corner = DVec2::new((pixel % size[0] as usize) as f64, (pixel / size[0] as usize) as f64);
-        let place = corner + 0.5 + DVec2::from(self.pass.sample.jitter) + beside;
+        let place = pixel_centre(pixel, size) + DVec2::from(self.pass.sample.jitter) + beside;
         let sight = self.view.camera.sight(place, size);
         Ray { origin: sight.origin, direction: sight.direction }
     }
