@@ -9,7 +9,7 @@ use exr::prelude::{
     WritableImage,
 };
 use std::fs::File;
-use std::io::{BufReader, Error as IoError, Seek, Write};
+use std::io::{BufReader, BufWriter, Error as IoError, Seek, Write};
 use std::path::Path;
 
 /// Format of a picture file, by its name.
@@ -43,11 +43,27 @@ impl PictureFormat {
 /// # Errors
 /// A file that cannot be written.
 pub fn write(path: &Path, format: PictureFormat, picture: &Picture, notes: &Notes) -> Result<()> {
+    written(path, |file| match format {
+        PictureFormat::Png => png(file, picture, notes),
+        PictureFormat::Exr => exr(file, picture, None, notes),
+    })
+}
+
+/// Writes `picture` to `path` as an EXR whose channel Z has the `distances` of its pixels.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_with_distances(path: &Path, picture: &Picture, distances: &[f32], notes: &Notes) -> Result<()> {
+    written(path, |file| exr(file, picture, Some(distances), notes))
+}
+
+/// Writes what `encode` encodes to `path`, whole or not at all.
+fn written(
+    path: &Path,
+    encode: impl FnOnce(&mut BufWriter<&mut File>) -> std::result::Result<(), IoError>,
+) -> Result<()> {
     output::write_atomically(path, |file| {
-        let encoded = match format {
-            PictureFormat::Png => png(file, picture, notes),
-            PictureFormat::Exr => exr(file, picture, notes),
-        };
+        let encoded = encode(file);
         // Encoders wrap the system's error in words about their format; flushing the rest returns that error again.
         encoded.map_err(|e| match file.flush() {
             Err(cause) => output::write_failed(path, cause),
@@ -133,7 +149,13 @@ fn codes(picture: &Picture) -> Vec<u8> {
     pixels.flat_map(|(&[r, g, b, _], radiance)| [r, g, b, alpha(radiance[3])]).collect()
 }
 
-fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std::result::Result<(), IoError> {
+/// Encodes an EXR; `distances` of the pixels become its channel Z.
+fn exr(
+    file: &mut (impl Write + Seek),
+    picture: &Picture,
+    distances: Option<&[f32]>,
+    notes: &Notes,
+) -> std::result::Result<(), IoError> {
     let [width, height] = picture.size.map(|n| n as usize);
     let mut attributes = LayerAttributes::named("");
     attributes.software_name = Text::new_or_none(notes::software());
@@ -144,7 +166,7 @@ fn exr(file: &mut (impl Write + Seek), picture: &Picture, notes: &Notes) -> std:
     let color = |at: usize| picture.radiance.iter().map(|pixel| pixel[at]).collect();
     let mut channels =
         vec![number("A", color(3)), number("B", color(2)), number("G", color(1)), number("R", color(0))];
-    channels.extend(picture.distances.as_ref().map(|distances| number("Z", distances.clone())));
+    channels.extend(distances.map(|distances| number("Z", distances.to_vec())));
     let channels = AnyChannels::sort(channels.into());
     // In order: tiles are compressed by several threads, and would be written in the order in which they finish.
     let encoding = Encoding { line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
@@ -164,7 +186,6 @@ mod tests {
             radiance: (0..count).map(|i| [number(i), -number(i + 1), 2.0, (i % 5) as f32 / 4.0]).collect(),
             display: (0..count).map(|i| [i as u8, (i / 7) as u8, 3, 255]).collect(),
             is_opaque: false,
-            distances: None,
         }
     }
 

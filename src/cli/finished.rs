@@ -178,7 +178,6 @@ mod tests {
                 .map(|i: u32| blake3::hash(&i.to_le_bytes()).as_bytes()[..4].try_into().unwrap())
                 .collect(),
             is_opaque: false,
-            distances: None,
         };
         let write = |name: &str| {
             let path = folder.join(name);

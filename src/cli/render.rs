@@ -290,16 +290,18 @@ fn draw(
             None => prepared.draw(&shot.view, &task)?,
         };
         picture.is_opaque |= scene.display.is_opaque;
-        if arguments.depth {
-            picture.distances = Some(prepared.renderer().distances(&shot.view)?);
-        }
         prepare::check(&device)?;
         let mut notes = shot.notes.clone();
         notes.more.extend(prepared.energy_note().map(|note| ("Limit of energy".to_owned(), note)));
         if shot.is_sealed {
             notes = finished::sealed(notes, format, &picture);
         }
-        picture_file::write(&shot.output, format, &picture, &notes)?;
+        if arguments.depth {
+            let distances = prepared.renderer().distances(&shot.view)?;
+            picture_file::write_with_distances(&shot.output, &picture, &distances, &notes)?;
+        } else {
+            picture_file::write(&shot.output, format, &picture, &notes)?;
+        }
     }
     drop((progress, prepared));
     prepare::finish(console, &device)
@@ -390,5 +392,5 @@ fn reference_picture(
     let radiance = reference_mean(&objects, view, &samples, &mut directions, task)?;
     let display = displayed_of(view, settings.size, &radiance, shown);
     let is_opaque = view.background().is_some();
-    Ok(Picture { size: settings.size, radiance, display, is_opaque, distances: None })
+    Ok(Picture { size: settings.size, radiance, display, is_opaque })
 }

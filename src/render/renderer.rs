@@ -144,8 +144,6 @@ pub struct Picture {
     pub display: Vec<[u8; 4]>,
     /// True if the background is part of the picture: surroundings, or a background that was asked for.
     pub is_opaque: bool,
-    /// Distance of what the centre of each pixel shows, if it was asked for, as [`Renderer::distances`].
-    pub distances: Option<Vec<f32>>,
 }
 
 impl Renderer {

@@ -97,7 +97,7 @@ mod tests {
             [r, g, b, 255]
         };
         let display = radiance.iter().map(shown).collect();
-        Picture { size, radiance, display, is_opaque: false, distances: None }
+        Picture { size, radiance, display, is_opaque: false }
     }
 
     #[test]

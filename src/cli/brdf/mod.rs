@@ -151,13 +151,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<()> {
         MapFormat::Npy => return numbers::write_npy(path, &map, is_spectral),
     };
     let display = map.pixels.iter().map(|pixel| displayed(*pixel, arguments.exposure)).collect();
-    let picture = Picture {
-        size: [arguments.size; 2],
-        radiance: map.pixels,
-        display,
-        is_opaque: false,
-        distances: None,
-    };
+    let picture = Picture { size: [arguments.size; 2], radiance: map.pixels, display, is_opaque: false };
     let illuminant = Illuminant::from_name_or_file(&arguments.colour.illuminant)?;
     let colour = arguments.wavelength.map_or(LightColour::Spectrum(&illuminant), LightColour::Wavelength);
     let notes = captions::picture_notes(console, &field, &arguments.optics.reflectance(None), colour);

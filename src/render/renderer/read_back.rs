@@ -54,7 +54,6 @@ impl Renderer {
             radiance,
             display: bytemuck::pod_collect_to_vec(&display),
             is_opaque: view.is_some_and(|view| view.background().is_some()),
-            distances: None,
         })
     }
 
