@@ -12,10 +12,28 @@ const ONE_SAMPLE: [&str; 2] = ["--samples", "1"];
 
 /// A window of the viewer in [`SMALL`]'s sandbox.
 pub struct Viewer {
+    /// Dropped before the files that it reads.
+    _last_state: LastState,
     pub sandbox: Sandbox,
     pub display: Display,
     pub program: Child,
     pub window: Window,
+}
+
+/// The state of a window whose test fails, which is printed.
+struct LastState {
+    words: std::path::PathBuf,
+    process: u32,
+}
+
+impl Drop for LastState {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let words = std::fs::read_to_string(&self.words);
+            let status = std::fs::read_to_string(format!("/proc/{}/stat", self.process));
+            eprintln!("the window's words: {words:?}\nits process: {status:?}");
+        }
+    }
 }
 
 /// A text in the window, and where its middle is.
@@ -61,7 +79,8 @@ impl Viewer {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let program = command.spawn().unwrap();
         let window = display.window();
-        Self { sandbox, display, program, window }
+        let _last_state = LastState { words: sandbox.path("words"), process: program.id() };
+        Self { _last_state, sandbox, display, program, window }
     }
 
     /// Hundredths of a second of processor time that the program has taken so far.

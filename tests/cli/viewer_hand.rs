@@ -1,6 +1,7 @@
 //! The hand on the picture: what each drag and click moves and what it leaves alone; a window at rest.
 
 use crate::display::wait_for;
+use crate::sandbox::Sandbox;
 use crate::viewer::Viewer;
 
 const SHIFT: u32 = 0xffe1;
@@ -140,9 +141,12 @@ fn no_key_is_lost_while_a_slow_picture_is_drawn() {
 
 #[test]
 fn the_mesh_appears_before_its_colours_and_the_title_says_so() {
-    // Several times as long as until the first picture of the mesh, on two processors.
-    let slow_to_prepare = ["--surface", "elaphe", "--tolerance", "1e-3"];
-    let viewer = Viewer::start(&[&["snake"][..], &SIZE, &slow_to_prepare].concat(), &[]);
+    // Its first colours take twenty times as long as the first picture of the mesh.
+    let files = Sandbox::new();
+    let large = files.path("large.gsf").into_os_string().into_string().unwrap();
+    let synth = ["surface", "synth", "bumps", "--patch", "200um", "--pixel-size", "50nm", "-o"];
+    files.run2(&synth, &[&large]).done();
+    let viewer = Viewer::start(&[&["snake"][..], &SIZE, &["--surface", &large]].concat(), &[]);
     viewer.says("preparing");
     let title = || viewer.display.title(viewer.window);
     assert!(title().contains("preparing"), "{}", title());

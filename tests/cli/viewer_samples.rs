@@ -31,8 +31,8 @@ fn a_still_picture_goes_on_to_its_samples_and_is_saved_as_their_mean() {
 
 #[test]
 fn a_picture_is_saved_while_the_hand_goes_on() {
-    let viewer = Viewer::start(&["sphere", "--size", "900x400", "--samples", "600"], &[]);
-    viewer.says("of 600 samples");
+    let viewer = Viewer::start(&["sphere", "--size", "900x400", "--samples", "100"], &[]);
+    viewer.says("of 100 samples");
     let before = viewer.display.look(viewer.window).unwrap();
     viewer.display.key('s'.into(), &[]);
     viewer.says("saving diffract-001.png");
@@ -42,7 +42,7 @@ fn a_picture_is_saved_while_the_hand_goes_on() {
         let shown = viewer.display.look(viewer.window)?;
         (picture(&shown) != picture(&before)).then_some(())
     });
-    assert!(!viewer.sandbox.path("diffract-001.png").exists(), "600 samples take longer than a drag");
+    assert!(!viewer.sandbox.path("diffract-001.png").exists(), "100 samples take longer than a drag");
     viewer.says("saved ");
     let command = viewer.sandbox.path("diffract-001.png");
     assert!(command.is_file());
