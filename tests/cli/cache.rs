@@ -22,7 +22,7 @@ fn kept(sandbox: &Sandbox) -> Vec<PathBuf> {
 
 /// The picture without any cache.
 fn cold() -> (Sandbox, Vec<u8>) {
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     sandbox.run(picture("cold.exr")).done();
     let bytes = sandbox.read("cold.exr");
     (sandbox, bytes)
@@ -36,7 +36,7 @@ fn a_damaged_file_is_rebuilt_without_a_word_and_the_picture_is_the_same() {
     let flipped =
         |place: usize| whole.iter().enumerate().map(|(i, b)| if i == place { !b } else { *b }).collect();
     let foreign = {
-        let other = Sandbox::with_small_surface().with_own_cache();
+        let other = Sandbox::with_small_surface();
         other.run2(&picture("other.exr"), &["--ior", "1.5", "--terms", "3"]).done();
         fs::read(&kept(&other)[0]).unwrap()
     };
@@ -124,7 +124,7 @@ fn the_cache_is_shown_bounded_and_cleared() {
 #[test]
 fn without_a_place_to_keep_spectra_the_work_is_done_with_one_warning() {
     let (_, right) = cold();
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     sandbox.write("file", "in the way");
     let blocked = sandbox.path("file");
     let sandbox = sandbox.with("XDG_CACHE_HOME", blocked);
@@ -142,7 +142,7 @@ fn without_a_place_to_keep_spectra_the_work_is_done_with_one_warning() {
 #[test]
 fn without_a_home_the_work_is_done_without_a_word() {
     let (_, right) = cold();
-    let sandbox = Sandbox::with_small_surface().with_own_cache().with("XDG_CACHE_HOME", "").with("HOME", "");
+    let sandbox = Sandbox::with_small_surface().with("XDG_CACHE_HOME", "").with("HOME", "");
     sandbox.run(picture("out.exr")).done();
     assert_eq!(sandbox.read("out.exr"), right);
 }
@@ -150,7 +150,7 @@ fn without_a_home_the_work_is_done_without_a_word() {
 #[test]
 fn processes_at_once_share_a_cache_and_an_output() {
     let (_, right) = cold();
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     let start = || {
         let mut command = sandbox.command(picture("out.exr"));
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -167,7 +167,7 @@ fn processes_at_once_share_a_cache_and_an_output() {
 #[test]
 fn a_program_killed_at_any_moment_leaves_nothing_that_is_read_later() {
     let (_, right) = cold();
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     let begun = Instant::now();
     sandbox.run(picture("warm.exr")).done();
     let usual = begun.elapsed();

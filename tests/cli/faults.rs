@@ -34,7 +34,7 @@ fn works() -> [(Vec<&'static str>, &'static str); 4] {
 const TRADE: [&str; 7] = ["trade", "plate", "--quick", "--size", "4x4", "--folder", "trade"];
 
 fn sandbox() -> Sandbox {
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n70,0,10,30,400\n");
     sandbox
 }
@@ -201,7 +201,7 @@ fn limited(sandbox: &Sandbox, limit: &str, arguments: &[&str]) -> Outcome {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_face_of_millions_of_corners_is_refused_with_little_more_memory_than_its_file() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     let corners = 16_000_000;
     sandbox.write(
         "face.obj",
@@ -215,7 +215,7 @@ fn a_face_of_millions_of_corners_is_refused_with_little_more_memory_than_its_fil
 #[cfg(target_os = "linux")]
 #[test]
 fn a_stack_that_the_system_makes_small_is_large_enough() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     for arguments in [&["--version"][..], &["--help"], &["surface", "info", "flat"]] {
         let outcome = limited(&sandbox, "ulimit -s 64", arguments);
         assert!(outcome.code == Some(0) && !outcome.stdout.is_empty(), "{arguments:?}: {outcome:?}");
@@ -225,7 +225,7 @@ fn a_stack_that_the_system_makes_small_is_large_enough() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_driver_that_gets_no_memory_is_not_taken_for_one_that_is_not_installed() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     let render = ["render", "plate", "--surface", "flat", "--size", "8x6", "-o", "o.png"];
     let line = limited(&sandbox, "ulimit -v 100000", &render).refused(1);
     assert!(line.contains("ulimit -v") && !line.contains("install"), "{line}");
@@ -377,7 +377,7 @@ fn a_device_without_what_is_needed_is_refused_with_its_reason_and_a_way_out() {
             &["no Vulkan device here can be used", lacking, "install"],
         );
     }
-    let sandbox = Sandbox::new().with_own_cache().with("DIFFRACT_DEVICE_MASK", "without=maintenance4");
+    let sandbox = Sandbox::new().with("DIFFRACT_DEVICE_MASK", "without=maintenance4");
     let listed = sandbox.run(["devices"]);
     assert!(listed.stdout.contains("cannot be used: it lacks maintenance4"), "{listed:?}");
     assert_eq!((listed.code, listed.stderr.lines().count()), (Some(1), 1), "{listed:?}");
@@ -407,7 +407,7 @@ fn a_device_with_little_memory_does_small_work() {
 #[cfg(target_os = "linux")]
 #[test]
 fn with_little_memory_the_work_is_done_or_refused_and_never_hangs_or_aborts() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n30,0,20,180\n");
     let words =
         ["eval", "blaze", "--queries", "q.csv", "--method", "reference", "--coherence", "gaussian:5um"];

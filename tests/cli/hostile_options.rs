@@ -285,7 +285,7 @@ fn options(sandbox: &Sandbox, command: &[&str]) -> Vec<String> {
 }
 
 fn sandbox() -> Sandbox {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     sandbox.write("grey.png", grey_png(12, 12, |x, y| (x * 20 + y) as u8));
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r,wavelength\n20,0,20,180,550\n");
     std::fs::create_dir(sandbox.path("folder.png")).unwrap();

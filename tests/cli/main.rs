@@ -1,6 +1,6 @@
 //! The program as its users run it: what each command does, what it refuses, and what it leaves behind.
 //!
-//! Every test runs the built program in a folder of its own and, where it looks into the cache, with one of its own. Pictures need a Vulkan device.
+//! Every test runs the built program in a folder of its own with a cache of its own. Pictures need a Vulkan device.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up has failed")]
 

@@ -7,7 +7,7 @@ use std::fs;
 const QUICK: [&str; 4] = ["--tolerance", "1e-1", "--coherence", "gaussian:4um"];
 
 fn with_inputs() -> Sandbox {
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n");
     sandbox.write("light.csv", "380,1\n780,1\n");
     sandbox.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
@@ -55,7 +55,7 @@ fn an_output_over_an_input_is_refused_by_every_command_and_the_input_stays() {
 
 #[test]
 fn two_outputs_of_one_name_are_refused() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     for words in [
         &["peaks", "blaze", "--theta-i", "30", "--angles", "0:9:1", "-o", "a", "--json", "a"][..],
         &["peaks", "blaze", "--theta-i", "30", "--angles", "0:9:1", "-o", "a.svg", "--plot", "./a.svg"],
@@ -69,7 +69,7 @@ fn two_outputs_of_one_name_are_refused() {
 
 #[test]
 fn a_surface_that_is_not_there_is_told_before_its_units() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     for name in ["nofile.png", "nofile.xyz"] {
         let line = sandbox.run(["surface", "info", name]).refused_somehow(name);
         assert!(line.contains("no such file") && !line.contains("--pixel-size"), "{line}");
@@ -78,7 +78,7 @@ fn a_surface_that_is_not_there_is_told_before_its_units() {
 
 #[test]
 fn a_spectrum_that_leaves_out_visible_light_is_told_and_one_without_names_is_read_whole() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     sandbox.write("q.csv", "theta_i,phi_i,theta_r,phi_r\n0,0,0,0\n");
     let answer = |name: &str, text: &str| {
         sandbox.write(name, text);
@@ -192,7 +192,7 @@ mod linux {
 
     #[test]
     fn help_and_version_to_a_full_device_are_an_error() {
-        let sandbox = Sandbox::new().with_own_cache();
+        let sandbox = Sandbox::new();
         for words in [&["--help"][..], &["--version"], &["render", "--help"]] {
             let full = fs::File::options().write(true).open("/dev/full").unwrap();
             let mut command = sandbox.command(words);
@@ -203,7 +203,7 @@ mod linux {
 
     #[test]
     fn a_display_that_is_dead_is_told_without_anybodys_sources() {
-        let sandbox = Sandbox::new().with_own_cache().with("DISPLAY", ":987");
+        let sandbox = Sandbox::new().with("DISPLAY", ":987");
         let line = sandbox.run(["view"]).refused(1);
         assert!(line.contains("display") && !line.contains(".rs"), "{line}");
     }

@@ -173,7 +173,7 @@ fn coverage_of_coherence_areas_is_told_on_request_and_where_it_is_little() {
 
 #[test]
 fn the_same_command_writes_the_same_bytes_and_the_second_time_from_the_cache() {
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     let kept = || -> Vec<_> {
         let files = fs::read_dir(sandbox.cache()).unwrap().map(Result::unwrap);
         files.map(|f| (f.file_name(), f.metadata().unwrap().modified().unwrap())).collect()

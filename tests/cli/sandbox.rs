@@ -75,16 +75,15 @@ impl Outcome {
     }
 }
 
-/// A folder to work in, gone with the value. Spectra and tables are kept in the cache of all sandboxes, or in one of its own.
+/// A folder to work in and a cache folder, gone with the value.
 pub struct Sandbox {
     folder: TempDir,
-    own_cache: bool,
     variables: Vec<(OsString, OsString)>,
 }
 
 impl Sandbox {
     pub fn new() -> Self {
-        let sandbox = Self { folder: TempDir::new().unwrap(), own_cache: false, variables: Vec::new() };
+        let sandbox = Self { folder: TempDir::new().unwrap(), variables: Vec::new() };
         fs::create_dir(sandbox.path("")).unwrap();
         sandbox
     }
@@ -94,12 +93,6 @@ impl Sandbox {
         let sandbox = Self::new();
         sandbox.run(["surface", "synth", "bumps", "--patch", "2um", "-o", "small.png"]).done();
         sandbox
-    }
-
-    /// The same with a cache of its own, empty.
-    pub fn with_own_cache(mut self) -> Self {
-        self.own_cache = true;
-        self
     }
 
     /// The same with the environment variable `name`.
@@ -123,16 +116,9 @@ impl Sandbox {
         self.folder.path().join("state/diffract")
     }
 
-    /// The program's cache folder in a sandbox with its own.
+    /// The program's own cache folder.
     pub fn cache(&self) -> PathBuf {
-        assert!(self.own_cache, "other tests change what this one looks into");
-        self.cache_home().join("diffract")
-    }
-
-    /// The folder in which the program makes its cache folder.
-    fn cache_home(&self) -> PathBuf {
-        let of_all = std::env::var_os("XDG_CACHE_HOME").filter(|_| !self.own_cache);
-        of_all.map_or_else(|| self.folder.path().join("cache"), |home| PathBuf::from(home).join("program"))
+        self.folder.path().join("cache/diffract")
     }
 
     /// The bytes of a file.
@@ -159,13 +145,13 @@ impl Sandbox {
     pub fn command<A: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = A>) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_diffract"));
         command.args(arguments).current_dir(self.path(""));
-        // The driver's own shader cache serves all tests.
+        // The driver's own shader cache may serve all tests; ours may not.
         if let Some(shared) = std::env::var_os("XDG_CACHE_HOME") {
             command.env("MESA_SHADER_CACHE_DIR", shared);
         }
         // No test opens a window on the display of whoever runs it.
         command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-        command.env("XDG_CACHE_HOME", self.cache_home());
+        command.env("XDG_CACHE_HOME", self.folder.path().join("cache"));
         command.env("XDG_STATE_HOME", self.folder.path().join("state"));
         command.envs(self.variables.iter().map(|(name, value)| (name, value)));
         command
@@ -180,11 +166,7 @@ impl Sandbox {
         let words = iter::once(OsString::from("diffract"))
             .chain(arguments.into_iter().map(|word| word.as_ref().to_owned()))
             .collect();
-        run_inside(
-            words,
-            self.path(""),
-            shared_context().with_cache(self.cache_home().join("diffract"), DEFAULT_LIMIT),
-        )
+        run_inside(words, self.path(""), shared_context().with_cache(self.cache(), DEFAULT_LIMIT))
     }
 
     /// Runs the program to its end in a process of its own, with a stdin that stays open and says nothing.

@@ -157,7 +157,7 @@ fn one_automatic_exposure_serves_all_pictures_whichever_part_is_drawn() {
 
 #[test]
 fn sequences_that_cannot_be_meant_are_refused_before_any_work() {
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
+    let sandbox = Sandbox::with_small_surface();
     let dark = "mesh = \"plate\"\nsurface = \"blaze\"\nlights = []\n[camera]\neye = [0, 0, 3]\n\
                 target = [0, 0, 0]\nfield_of_view = \"35deg\"\n";
     sandbox.write("dark.toml", dark);

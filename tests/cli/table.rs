@@ -30,7 +30,7 @@ fn numbers(csv: &str) -> Vec<f64> {
 
 #[test]
 fn colours_agree_with_the_reference_and_come_from_the_cache_the_next_time() {
-    let sandbox = Sandbox::new().with_own_cache();
+    let sandbox = Sandbox::new();
     sandbox.write("q.csv", queries());
     let exact = ask(&sandbox, &["--method", "reference"]);
     let table = ["--method", "table", "--tolerance", "2e-2"];

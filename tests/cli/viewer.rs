@@ -64,12 +64,7 @@ impl Viewer {
 
     /// The viewer with `arguments` and environment variables.
     pub fn start(arguments: &[&str], variables: &[(&str, &str)]) -> Self {
-        Self::start_in(Sandbox::with_small_surface(), arguments, variables)
-    }
-
-    /// The viewer with `arguments` and environment variables in a sandbox that holds [`SMALL`]'s surface.
-    pub fn start_in(sandbox: Sandbox, arguments: &[&str], variables: &[(&str, &str)]) -> Self {
-        let display = Display::new();
+        let (sandbox, display) = (Sandbox::with_small_surface(), Display::new());
         let small = match arguments {
             _ if arguments.contains(&"--surface") => &[],
             _ if arguments.contains(&"--coherence") => &SMALL[..6],

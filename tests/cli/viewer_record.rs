@@ -1,7 +1,6 @@
 //! What the window records and how fine its colours are from near: the pictures are those of `diffract render`.
 
 use crate::display::wait_for;
-use crate::sandbox::Sandbox;
 use crate::viewer::Viewer;
 
 const ESCAPE: u32 = 0xff1b;
@@ -12,9 +11,7 @@ const MIDDLE: [i16; 2] = [100, 240];
 #[test]
 fn from_near_the_colours_are_as_fine_as_those_of_a_picture_from_there() {
     let table = ["sphere", "--method", "table", "--coherence", "gaussian:80um"];
-    let sandbox = Sandbox::with_small_surface().with_own_cache();
-    let viewer = Viewer::start_in(sandbox, &[&table[..], &SIZE].concat(), &[]);
-    viewer.says("full quality");
+    let viewer = Viewer::open(&[&table[..], &SIZE].concat());
     let tables = || {
         let kept = std::fs::read_dir(viewer.sandbox.cache()).unwrap();
         kept.filter(|file| file.as_ref().unwrap().path().extension().is_some_and(|e| e == "colours")).count()
