@@ -4,13 +4,13 @@
 //! colour bar, and [`Mark`]s: lines, points, bands, notes. The font is embedded, so a figure is the same on every machine.
 //!
 //! ```
-//! use diffract::figure::{Axis, Figure, FigureStyle, Mark, Panel, palette};
-//! use diffract::notes::Notes;
+//! use diffract::internals::figure::{Axis, Figure, FigureStyle, Mark, Panel, palette};
+//! use diffract::internals::notes::Notes;
 //! let line = Mark::line(vec![[1.0, 0.1], [10.0, 0.01]], palette::BLUE);
 //! let panel = Panel::new(Axis::log("frame time [ms]", 1.0, 10.0), Axis::log("error", 1e-2, 1e-1)).named("optimal", line);
 //! let figure = Figure::new("Speed against error").row(vec![panel]).caption("Measured on one machine.");
 //! assert!(figure.svg(&FigureStyle::default(), &Notes::default())?.contains("frame time"));
-//! # Ok::<(), diffract::error::Error>(())
+//! # Ok::<(), diffract::internals::error::Error>(())
 //! ```
 
 mod axis;
