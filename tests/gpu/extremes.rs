@@ -4,6 +4,7 @@
 use crate::device::with_device;
 use crate::evaluation::{grating, limited, optics, patch, window};
 use crate::measure::channel;
+use crate::shared::Pictured;
 use diffract::internals::error::Result;
 use diffract::internals::optics::brdf::cosine_weighted;
 use diffract::internals::optics::coherence::{Coherence, Windows};
@@ -13,7 +14,7 @@ use diffract::internals::optics::reference::Reference;
 use diffract::internals::random::Random;
 use diffract::internals::render::evaluator::{Evaluator, Query};
 use diffract::internals::render::frame::{Shown, View};
-use diffract::internals::render::reference_picture::{displayed, reference_picture};
+use diffract::internals::render::reference_picture::displayed;
 use diffract::internals::scene::{Lens, Light, Scene};
 use diffract::internals::settings::Optics;
 use diffract::internals::spectra::amplitude::audit::FAINT;
@@ -316,7 +317,9 @@ fn repeats_from_one_to_a_thousand_give_the_reference_picture() {
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, size).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let directions = [renderer.directions(&view, 0).unwrap()];
-            let exact = reference_picture(&field, &optics, &view, &directions, &Task::silent()).unwrap();
+            let pictured = Pictured { field: &field, optics: &optics, view: &view, size };
+            let name = format!("small-sphere-bumps-repeated-{}x{}", copies[0], copies[1]);
+            let exact = pictured.kept_by(device, &name, &directions);
             assert!(picture.radiance.iter().flatten().all(|x| x.is_finite()), "{copies:?}");
             let errors = [0, 1, 2].map(|c| channel(&picture.radiance, &exact, c));
             eprintln!("repeats: {copies:?}: {errors:.5?}");

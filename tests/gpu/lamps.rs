@@ -5,7 +5,7 @@ use crate::evaluation::patch;
 use crate::lights::{across_the_edge, floor_below_a_roof};
 use crate::mean::{optics, source};
 use crate::measure::colours;
-use crate::shared;
+use crate::shared::Pictured;
 use diffract::internals::optics::color::Tone;
 use diffract::internals::render::footprints::sizes_of;
 use diffract::internals::render::frame::{Shown, View};
@@ -197,11 +197,13 @@ fn pictures_under_a_lamp_are_those_of_the_reference() {
     let optics = optics(16.0, 2e-2).for_pictures();
     with_device(|device| {
         let probe = Source::ClassicalGrating(ClassicalGrating::default());
-        let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, [160, 120]).unwrap();
+        let size = [160, 120];
+        let new = |source: &Source| crate::renderer_of(device, &scene, source, &optics, size).unwrap();
         let mut found = new(&probe);
         let sample = Sampling { count: 16, seed: 3 }.sample(6);
         let seen = [0, 1].map(|light| found.directions_of(&view, light, &sample).unwrap());
-        let exact = shared::picture((&field, &optics), &view, &seen);
+        let pictured = Pictured { field: &field, optics: &optics, view: &view, size };
+        let exact = pictured.kept_by(device, "sphere-below-lamps", &seen);
         let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let mut renderer = new(&source);
         renderer.draw_sample(&view, &sample, SHOWN).unwrap();

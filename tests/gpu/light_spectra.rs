@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
-use crate::shared;
+use crate::shared::Pictured;
 use diffract::internals::filter::FootprintSizes;
 use diffract::internals::optics::coherence::{Coherence, Windows};
 use diffract::internals::optics::color::xyz_to_linear_srgb;
@@ -204,7 +204,8 @@ fn pictures_under_several_spectra_are_those_of_the_reference() {
             let mut renderer = Renderer::new(device, &all, SIZE, RendererSettings::default()).unwrap();
             let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
             let seen: Vec<_> = (0..3).map(|light| renderer.directions(&view, light).unwrap()).collect();
-            let exact = shared::picture((&field, &optics), &view, &seen);
+            let pictured = Pictured { field: &field, optics: &optics, view: &view, size: SIZE };
+            let exact = pictured.kept_by(device, "sphere-under-three-spectra", &seen);
             let (mut difference, mut whole) = (0.0, 0.0);
             for (found, exact) in picture.radiance.iter().zip(&exact) {
                 for c in 0..3 {

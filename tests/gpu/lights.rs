@@ -4,7 +4,7 @@ use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::mean::source;
 use crate::measure::colours;
-use crate::shared;
+use crate::shared::Pictured;
 use diffract::internals::brdf::albedo::Decimation;
 use diffract::internals::brdf::mean::MeanBrdf;
 use diffract::internals::brdf::tabulated::{SummedOrders, TabulatedMean};
@@ -164,7 +164,7 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
         for (view, allowed, least_unmirrored) in cases {
             let (views, lights) = (std::slice::from_ref(view), view.light_count());
             let sizes = footprints::sizes(device, mesh, views, SIZE, &sampling).unwrap();
-            let reference = |seen: &[Directions]| shared::picture((&field, &optics), view, seen);
+            let pictured = Pictured { field: &field, optics: &optics, view, size: SIZE };
             let source = source(device, &field, &optics, Method::Table, sizes);
             let mut renderer = crate::renderer(device, &source, &optics, mesh, &white, SIZE).unwrap();
             renderer.draw_sample(view, &sample, SHOWN).unwrap();
@@ -173,13 +173,16 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
                 (0..lights).map(|light| renderer.directions_of(view, light, &sample).unwrap()).collect();
             let mirrored = seen.iter().filter(|s| s.mirrored.len() == s.view.len()).count();
             assert_eq!(mirrored, 1, "the surroundings alone are mirrored");
-            let exact = reference(&seen);
+            let exact = pictured.kept_by(device, &format!("sphere-in-studio-{lights}"), &seen);
             let error = colours(&found, &exact);
             eprintln!("a sphere under {lights} lights: {error:.4}");
             assert!(error < allowed, "{lights} lights: {error}");
             let dark: Vec<Directions> =
                 seen.into_iter().map(|s| Directions { mirrored: Vec::new(), ..s }).collect();
-            let other = colours(&reference(&dark), &exact);
+            let other = colours(
+                &pictured.kept_by(device, &format!("sphere-in-studio-{lights}-unmirrored"), &dark),
+                &exact,
+            );
             eprintln!("{lights} lights unmirrored: {other:.4}");
             assert!(other > least_unmirrored, "{lights} lights: {other}");
         }

@@ -16,6 +16,7 @@ mod faults;
 
 mod hazards;
 mod interface;
+mod kept;
 mod lamps;
 mod light_passes;
 mod light_spectra;

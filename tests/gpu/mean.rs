@@ -3,7 +3,7 @@
 use crate::device::with_device;
 use crate::evaluation::{colours, patch, queries};
 use crate::measure::channel;
-use crate::shared;
+use crate::shared::{self, Pictured};
 use diffract::internals::brdf::albedo::Decimation;
 use diffract::internals::brdf::mean::MeanBrdf;
 use diffract::internals::brdf::tabulated::{SummedOrders, TabulatedMean};
@@ -22,7 +22,7 @@ use diffract::internals::render::footprints::sizes_of;
 use diffract::internals::render::frame::{Shown, View};
 use diffract::internals::render::light_passes::LightPass;
 use diffract::internals::render::pigment::Pigment;
-use diffract::internals::render::reference_picture::{ReferenceSamples, covered, reference_mean_of};
+use diffract::internals::render::reference_picture::covered;
 use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::{ClassicalGrating, Source};
 use diffract::internals::scene::{Camera, Light, Scene};
@@ -185,14 +185,15 @@ fn a_picture_by_a_table_is_near_the_reference_picture_over_the_same_footprints()
         let mesh = &scene.main_object().mesh;
         let mut renderer = crate::renderer(device, &source, &optics, mesh, &Pigment::white(), SIZE).unwrap();
         let mut paint = |view: &View| renderer.render_plain(view, 0.0, DVec3::ZERO).unwrap().radiance;
-        let exact = shared::picture((&field, &optics), &view, &seen);
+        let pictured = Pictured { field: &field, optics: &optics, view: &view, size: SIZE };
+        let exact = pictured.kept_by(device, "sphere-elaphe", &seen);
         let errors = |found: &[[f32; 4]]| [0, 1, 2].map(|c| channel(found, &exact, c));
         let found = errors(&paint(&view));
         eprintln!("pictures by a table: {found:.4?}");
         // Without footprints the reference is another picture.
         let points: Vec<Directions> =
             seen.iter().map(|seen| Directions { footprints: Vec::new(), ..seen.clone() }).collect();
-        let sharp = shared::picture((&field, &optics), &view, &points);
+        let sharp = pictured.kept_by(device, "sphere-elaphe-points", &points);
         let without = [0, 1, 2].map(|c| channel(&sharp, &exact, c));
         let mut moved = view.clone();
         moved.lights[0] = Light::point(50.0, -40.0, 2.0);
@@ -230,7 +231,7 @@ fn a_material_reflects_at_the_angle_of_the_pixel_where_its_footprint_reaches_far
         let optics = Optics { reflectance: reflectance.clone(), ..optics(8.0, 2e-2) }.for_pictures();
         with_device(|device| {
             let seen = directions(device, &scene, &view);
-            let exact = shared::picture((&field, &optics), &view, &seen);
+            let exact = Pictured { field: &field, optics: &optics, view: &view, size: SIZE }.by(&seen);
             let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
             let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
             let found = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap().radiance;
@@ -255,9 +256,8 @@ fn sixteen_samples_are_near_the_reference_of_the_same_samples() {
         let mut directions = new(&probe);
         let least = sizes_of(&[directions.directions_of(&view, 0, &sampling.sample(0)).unwrap()]);
         let mut seen = |pass: &LightPass| directions.directions_in(&view, pass);
-        let reference = shared::reference(&field, &optics);
-        let samples = ReferenceSamples { sampling: &sampling, size: SIZE, chosen: &|_| true };
-        let exact = reference_mean_of(&[&reference], &view, &samples, &mut seen, &Task::silent()).unwrap();
+        let pictured = Pictured { field: &field, optics: &optics, view: &view, size: SIZE };
+        let exact = pictured.kept_mean(device, "sphere-elaphe-16", &sampling, &mut seen);
         let source = source(device, &field, &optics, Method::Table, least);
         let found = new(&source).render(&view, &sampling, shown, &Task::silent()).unwrap().radiance;
         let errors = [0, 1, 2].map(|c| channel(&found, &exact, c));

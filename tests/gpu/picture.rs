@@ -3,16 +3,15 @@
 use crate::device::with_device;
 use crate::evaluation::{layers, limited, optics, patch, window};
 use crate::measure::channel;
+use crate::shared::Pictured;
 use diffract::internals::render::directions::Directions;
 use diffract::internals::render::frame::View;
 use diffract::internals::render::pigment::Pigment;
-use diffract::internals::render::reference_picture::reference_picture;
 use diffract::internals::render::renderer::Picture;
 use diffract::internals::scene::{Light, Scene};
 use diffract::internals::settings::Optics;
 use diffract::internals::surface::HeightField;
 use diffract::internals::surface::synth::SurfaceKind;
-use diffract::internals::task::Task;
 use diffract::internals::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -47,7 +46,8 @@ fn a_picture_is_the_reference_picture_within_its_tolerance() {
             let optics = optics(8.0, tolerance);
             let (picture, directions) = paint(device, &field, &optics, &scene, &view);
             let exact = exact.get_or_insert_with(|| {
-                reference_picture(&field, &optics, &view, &directions, &Task::silent()).unwrap()
+                let pictured = Pictured { field: &field, optics: &optics, view: &view, size: SIZE };
+                pictured.kept_by(device, "sphere-elaphe-one-window", &directions)
             });
             let covered = exact.iter().filter(|p| p[3] == 1.0).count();
             assert!(covered > 1000, "only {covered} pixels are covered");

@@ -5,7 +5,7 @@ use crate::evaluation::patch;
 use crate::lights::floor_below_a_roof;
 use crate::mean::source;
 use crate::measure::colours;
-use crate::shared;
+use crate::shared::Pictured;
 use diffract::internals::filter::FootprintSizes;
 use diffract::internals::optics::coherence::{Coherence, Windows};
 use diffract::internals::render::directions::Directions;
@@ -16,7 +16,6 @@ use diffract::internals::render::light_passes::LightPass;
 use diffract::internals::render::object::{ObjectData, ObjectSources};
 use diffract::internals::render::pigment::Pigment;
 use diffract::internals::render::rays::{RayObject, RayScene, RaySettings};
-use diffract::internals::render::reference_picture::{ReferenceSamples, reference_mean_of};
 use diffract::internals::render::renderer::{Renderer, RendererSettings};
 use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::{ClassicalGrating, Source};
@@ -420,8 +419,9 @@ fn renderer_of(device: &Arc<Device>, scene: &Scene, source: &Source, optics: &Op
     Renderer::new(device, &[object], PICTURE, crate::shadows(scene.shadows)).unwrap()
 }
 
-/// Relative L2 error of the picture of `scene` by a table, with a surface of this `kind`, against the reference of rays.
-fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampling) -> f64 {
+/// Returns the relative L2 error of the picture of the built-in scene `name` by a table, with a surface of this `kind`, against the reference of rays.
+fn error(device: &Arc<Device>, name: &str, kind: SurfaceKind, sampling: Sampling) -> f64 {
+    let scene = &Scene::open(name).unwrap();
     let view = View { base_colors: vec![Vec3::ZERO], ..View::of(scene, scene.lights.clone()) };
     let (field, optics) = (patch(kind, 10.0), optics(1e-2));
     let grooves = GrooveDirections::of(&scene.main_object().grooves).unwrap();
@@ -431,12 +431,12 @@ fn error(device: &Arc<Device>, scene: &Scene, kind: SurfaceKind, sampling: Sampl
         casts_shadows: true,
     }]);
     let settings = RaySettings::new(PICTURE, scene.shadows, &optics);
-    let reference = shared::reference(&field, &optics);
-    let samples = ReferenceSamples { sampling: &sampling, size: PICTURE, chosen: &|_| true };
+    let pictured = Pictured { field: &field, optics: &optics, view: &view, size: PICTURE };
     let mut directions = |pass: &LightPass| Ok(rays.directions(&view, pass, &settings));
     let of_first = |light| rays.directions(&view, &LightPass::of_all(light, sampling.sample(0)), &settings);
     let sizes = sizes_of(&(0..view.light_count()).map(of_first).collect::<Vec<_>>());
-    let exact = reference_mean_of(&[&reference], &view, &samples, &mut directions, &Task::silent()).unwrap();
+    let exact =
+        pictured.kept_mean(device, &format!("{name}-{}-of-rays", kind.name()), &sampling, &mut directions);
     let source = source(device, &field, &optics, Method::Table, sizes);
     let mut renderer = renderer_of(device, scene, &source, &optics);
     let picture = renderer.render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
@@ -450,8 +450,7 @@ fn pictures_are_those_of_rays_in_f64() {
     with_device(|device| {
         for name in ["plate", "sphere", "disc"] {
             for kind in [SurfaceKind::Blaze, SurfaceKind::Elaphe] {
-                let scene = Scene::open(name).unwrap();
-                let error = error(device, &scene, kind, Sampling { count: 16, seed: 3 });
+                let error = error(device, name, kind, Sampling { count: 16, seed: 3 });
                 eprintln!("{name}, {}: {error:.4}", kind.name());
                 assert!(error < MOST, "{name}, {}: {error}", kind.name());
             }

@@ -4,7 +4,7 @@
 use crate::device::with_device;
 use crate::evaluation::{grating, limited, patch, queries};
 use crate::measure::channel;
-use crate::shared;
+use crate::shared::Pictured;
 use diffract::internals::optics::coherence::{Coherence, Windows};
 use diffract::internals::optics::nufft::cosine_weighted_xyz;
 use diffract::internals::optics::reference::Reference;
@@ -118,7 +118,9 @@ fn pictures_meet_their_tolerance(cases: &[(SurfaceKind, f64, [u32; 2], [u32; 2])
                 let (picture, directions) = paint(device, &field, &optics(copies, tolerance), &scene, &view);
                 let exact = exact.get_or_insert_with(|| {
                     let optics = optics(copies, tolerance);
-                    shared::picture((&field, &optics), &view, &directions)
+                    let pictured = Pictured { field: &field, optics: &optics, view: &view, size: SIZE };
+                    let name = format!("sphere-{}-repeated-{}x{}", kind.name(), copies[0], copies[1]);
+                    pictured.kept_by(device, &name, &directions)
                 });
                 let errors = errors(&picture, exact);
                 eprintln!("{kind:?} through {copies:?} at {tolerance:e}: {errors:.5?}");

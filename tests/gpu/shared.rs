@@ -1,9 +1,15 @@
 //! Results in f64 that several tests need, each made by the first of them: references, and the limits of energy of surfaces.
 
+use crate::kept::Kept;
 use diffract::internals::brdf::energy_map::EnergyMap;
+use diffract::internals::error::Result;
 use diffract::internals::render::directions::Directions;
 use diffract::internals::render::frame::View;
-use diffract::internals::render::reference_picture::{PixelReference, covered};
+use diffract::internals::render::light_passes::LightPass;
+use diffract::internals::render::reference_picture::{
+    PixelReference, ReferenceSamples, covered, reference_mean_of,
+};
+use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::Source;
 use diffract::internals::settings::Optics;
 use diffract::internals::setup::{self, InUse, SourceSettings, colour_limit};
@@ -55,19 +61,69 @@ pub fn reference(field: &HeightField, optics: &Optics) -> Arc<PixelReference> {
     made.get_or_insert_with(new).clone()
 }
 
-/// Returns the reference picture of `field` for `directions`, one entry per light.
-pub fn picture(
-    (field, optics): (&HeightField, &Optics),
-    view: &View,
-    directions: &[Directions],
-) -> Vec<[f32; 4]> {
-    let mut picture = vec![[0.0; 4]; directions[0].view.len()];
-    let pixels = covered(directions);
-    let colors = reference(field, optics).colors(view, 0, directions, &pixels, &Task::silent()).unwrap();
-    for (pixel, color) in pixels.into_iter().zip(colors) {
-        picture[pixel] = color.as_vec3().extend(1.0).to_array();
+/// What a reference picture shows: a surface under a light, on the main object of a view.
+pub struct Pictured<'a> {
+    pub field: &'a HeightField,
+    pub optics: &'a Optics,
+    pub view: &'a View,
+    /// Width and height \[pixels\].
+    pub size: [u32; 2],
+}
+
+impl Pictured<'_> {
+    fn reference(&self) -> Arc<PixelReference> {
+        reference(self.field, self.optics)
     }
-    picture
+
+    /// Returns this picture as one that is kept under `name`, which tells scene and lights.
+    fn kept(&self, name: &str, samples: u32) -> Kept {
+        let Self { field, optics, size, .. } = *self;
+        let ((low, high), [dx, dy]) = (field.range(), field.pixel_size());
+        let Optics { coherence, windows, beyond, illuminant, .. } = optics;
+        let follows_from = format!(
+            "{name}: {samples} samples of {} x {} heights {dx:.6} x {dy:.6} um apart from {low:.6} to {high:.6} um by {coherence:?} {windows:?} {beyond:?} {}",
+            field.columns(),
+            field.rows(),
+            illuminant.name()
+        );
+        Kept { name: name.to_owned(), follows_from, size }
+    }
+
+    /// Returns the reference picture for `directions`, one entry per light.
+    pub fn by(&self, directions: &[Directions]) -> Vec<[f32; 4]> {
+        self.part_by(directions, &|_| true)
+    }
+
+    /// Returns the reference picture for `directions` of `device`, which is kept under `name`.
+    pub fn kept_by(&self, device: &Device, name: &str, directions: &[Directions]) -> Vec<[f32; 4]> {
+        self.kept(name, 1).picture(device, &mut |chosen| self.part_by(directions, chosen))
+    }
+
+    fn part_by(&self, directions: &[Directions], chosen: &dyn Fn(usize) -> bool) -> Vec<[f32; 4]> {
+        let mut picture = vec![[0.0; 4]; directions[0].view.len()];
+        let pixels: Vec<usize> = covered(directions).into_iter().filter(|&pixel| chosen(pixel)).collect();
+        let colors = self.reference().colors(self.view, 0, directions, &pixels, &Task::silent()).unwrap();
+        for (pixel, color) in pixels.into_iter().zip(colors) {
+            picture[pixel] = color.as_vec3().extend(1.0).to_array();
+        }
+        picture
+    }
+
+    /// Returns the mean of samples, which is kept under `name`; `directions` returns those of a pass.
+    pub fn kept_mean(
+        &self,
+        device: &Device,
+        name: &str,
+        sampling: &Sampling,
+        directions: &mut dyn FnMut(&LightPass) -> Result<Directions>,
+    ) -> Vec<[f32; 4]> {
+        let mut compute = |chosen: &dyn Fn(usize) -> bool| {
+            let samples = ReferenceSamples { sampling, size: self.size, chosen };
+            let reference = self.reference();
+            reference_mean_of(&[&*reference], self.view, &samples, directions, &Task::silent()).unwrap()
+        };
+        self.kept(name, sampling.count).picture(device, &mut compute)
+    }
 }
 
 /// Returns the source of `field` under `settings`; its orders and its limit of energy may be those of an earlier one.

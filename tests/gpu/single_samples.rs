@@ -4,7 +4,7 @@ use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
 use crate::mean::source;
 use crate::measure::colours;
-use crate::shared;
+use crate::shared::Pictured;
 use diffract::internals::optics::coherence::{Coherence, Windows};
 use diffract::internals::optics::color::Tone;
 use diffract::internals::optics::material::Material;
@@ -12,7 +12,6 @@ use diffract::internals::optics::reflectance::Reflectance;
 use diffract::internals::render::footprints::sizes_of;
 use diffract::internals::render::frame::{Shown, View};
 use diffract::internals::render::light_passes::LightPass;
-use diffract::internals::render::reference_picture::{ReferenceSamples, reference_mean_of};
 use diffract::internals::render::renderer::PictureRequest;
 use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::{ClassicalGrating, Source};
@@ -34,6 +33,15 @@ struct Case {
     light: Option<Light>,
     /// Instead of a dielectric.
     material: Option<&'static str>,
+}
+
+impl Case {
+    /// Returns the name of the reference of `samples` samples.
+    fn name(&self, samples: u32) -> String {
+        let Self { scene, kind, size: [width, height], .. } = self;
+        let light = if self.light.is_some() { "-lit" } else { "" };
+        format!("{scene}{light}-{}-{width}x{height}-{samples}", kind.name())
+    }
 }
 
 /// Returns the relative L2 error of all colours of the mean of samples, against that of the same samples in f64.
@@ -63,10 +71,9 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
             .map(|light| found.directions_of(&view, light, &sample).unwrap())
             .collect();
         // Whatever the wavelengths of the device.
-        let reference = shared::reference(&field, &optics);
-        let samples = ReferenceSamples { sampling: &sampling, size, chosen: &|_| true };
+        let pictured = Pictured { field: &field, optics: &optics, view: &view, size };
         let mut of_pass = |pass: &LightPass| found.directions_in(&view, pass);
-        let exact = reference_mean_of(&[&reference], &view, &samples, &mut of_pass, &Task::silent()).unwrap();
+        let exact = pictured.kept_mean(device, &case.name(sampling.count), &sampling, &mut of_pass);
         let source = source(device, &field, &optics, Method::Table, sizes_of(&seen));
         let picture = new(&source).render(&view, &sampling, SHOWN, &Task::silent()).unwrap();
         error = colours(&picture.radiance, &exact);
