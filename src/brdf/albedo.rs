@@ -17,6 +17,10 @@ use std::sync::OnceLock;
 
 /// Name of the work in reports of progress.
 const ENERGY: &str = "energy";
+
+/// Number of orders whose series are summed together: a recurrence waits for its last step, and those of other orders fill the wait.
+const BLOCK: usize = 8;
+
 /// Orders of a surface, or groups of neighbouring ones, with their powers as series in z, and the reflectance of the surface.
 pub struct DirectionalAlbedo {
     reflectance: Reflectance,
@@ -25,8 +29,8 @@ pub struct DirectionalAlbedo {
     terms: usize,
     // (m/T_x, n/T_y) of ω_i + ω_r over the wavelength [µm⁻¹].
     frequencies: Vec<DVec2>,
-    // [order][term], powers |c_m|²/z².
-    coefficients: Vec<f32>,
+    // [block of orders][term][order of the block], powers |c_m|²/z²; 0 behind the last order.
+    coefficients: Vec<[f32; BLOCK]>,
     // Larger groups of the same orders, from which the table is made.
     coarse: Option<Box<Self>>,
     table: OnceLock<ExcessTable>,
@@ -112,13 +116,17 @@ impl DirectionalAlbedo {
             sums[at * terms..][..terms].iter_mut().zip(order).for_each(|(sum, a)| *sum += a);
         }
         let lit: Vec<usize> = (0..count).filter(|at| weights[*at] > 0.0).collect();
+        let block_of = |orders: &[usize], term: usize| {
+            std::array::from_fn(|lane| orders.get(lane).map_or(0.0, |at| sums[at * terms + term]))
+        };
+        let blocks = lit.chunks(BLOCK).flat_map(|orders| (0..terms).map(move |term| (orders, term)));
         Self {
             reflectance: reflectance.clone().polarised(Polarisation::None),
             z_max: series.z_max,
             specular: series.specular.clone(),
             terms,
             frequencies: lit.iter().map(|at| centres[*at] / weights[*at]).collect(),
-            coefficients: lit.iter().flat_map(|at| &sums[at * terms..][..terms]).copied().collect(),
+            coefficients: blocks.map(|(orders, term)| block_of(orders, term)).collect(),
             coarse: None,
             table: OnceLock::new(),
         }
@@ -148,35 +156,70 @@ impl DirectionalAlbedo {
         let k = TAU / wavelength;
         let factor = self.reflectance.factor(light, wavelength);
         let (w, mirror) = (2.0 * light.z, DVec3::new(-light.x, -light.y, light.z));
-        let specular = weight(mirror) * factor.toward(mirror) / (light.z * w * w)
-            * self.series(&self.specular, k * w).max(0.0);
-        let scattered: f64 = self
-            .frequencies
-            .iter()
-            .zip(self.coefficients.chunks_exact(self.terms))
-            .map(|(frequency, coefficients)| {
+        let specular =
+            weight(mirror) * factor.toward(mirror) / (light.z * w * w) * self.specular_series(k * w).max(0.0);
+        let mut scattered = 0.0;
+        for (frequencies, coefficients) in
+            self.frequencies.chunks(BLOCK).zip(self.coefficients.chunks_exact(self.terms))
+        {
+            // At the horizon, 0, where there is no order.
+            let (mut views, mut z) = ([DVec3::ZERO; BLOCK], [0.0; BLOCK]);
+            let mut is_seen = false;
+            for (lane, frequency) in frequencies.iter().enumerate() {
                 let across = wavelength * *frequency - light.truncate();
                 let squared = across.length_squared();
-                if squared >= 1.0 {
-                    return 0.0;
+                if squared < 1.0 {
+                    views[lane] = across.extend((1.0 - squared).sqrt());
+                    is_seen = true;
                 }
-                let view = across.extend((1.0 - squared).sqrt());
-                weight(view)
-                    * factor.toward(view)
-                    * self.series(coefficients, k * (light.z + view.z)).max(0.0)
-            })
-            .sum();
+                z[lane] = k * (light.z + views[lane].z);
+            }
+            if !is_seen {
+                continue;
+            }
+            let powers = self.series(coefficients, z);
+            for lane in (0..BLOCK).filter(|lane| views[*lane].z > 0.0) {
+                scattered += weight(views[lane]) * factor.toward(views[lane]) * powers[lane].max(0.0);
+            }
+        }
         specular + scattered * k * k / light.z
     }
 
-    /// Returns the sum of Chebyshev polynomials with these coefficients at `z`, by Clenshaw's recurrence.
-    fn series<T: Copy + Into<f64>>(&self, coefficients: &[T], z: f64) -> f64 {
-        let x = (2.0 * z / self.z_max - 1.0).min(1.0);
+    /// Returns the argument of the Chebyshev polynomials for `z`.
+    fn argument(&self, z: f64) -> f64 {
+        (2.0 * z / self.z_max - 1.0).min(1.0)
+    }
+
+    /// Returns the sum of Chebyshev polynomials with the coefficients of the specular order at `z`, by Clenshaw's recurrence.
+    fn specular_series(&self, z: f64) -> f64 {
+        let x = self.argument(z);
+        let Some((first, rest)) = self.specular.split_first() else { return 0.0 };
         let (mut b1, mut b2) = (0.0, 0.0);
-        for a in coefficients.iter().skip(1).rev() {
-            (b1, b2) = ((*a).into() + 2.0 * x * b1 - b2, b1);
+        for a in rest.iter().rev() {
+            (b1, b2) = (a + 2.0 * x * b1 - b2, b1);
         }
-        coefficients.first().map_or(0.0, |a| (*a).into()) + x * b1 - b2
+        first + x * b1 - b2
+    }
+
+    /// Returns the sums of Chebyshev polynomials with the coefficients of a block of orders at `z`, as [`Self::specular_series`].
+    fn series(&self, coefficients: &[[f32; BLOCK]], z: [f64; BLOCK]) -> [f64; BLOCK] {
+        let Some((first, rest)) = coefficients.split_first() else { return [0.0; BLOCK] };
+        let mut x = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            x[lane] = self.argument(z[lane]);
+        }
+        let (mut b1, mut b2) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for a in rest.iter().rev() {
+            for lane in 0..BLOCK {
+                let sum = f64::from(a[lane]) + 2.0 * x[lane] * b1[lane] - b2[lane];
+                (b2[lane], b1[lane]) = (b1[lane], sum);
+            }
+        }
+        let mut sums = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            sums[lane] = f64::from(first[lane]) + x[lane] * b1[lane] - b2[lane];
+        }
+        sums
     }
 
     /// Returns the table of E and R over directions and visible wavelengths, made on first use.

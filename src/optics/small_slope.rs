@@ -17,21 +17,35 @@ use super::polarisation::Polarisation;
 use glam::DVec3;
 use rustfft::num_complex::Complex64;
 
-/// Denominators of the amplitudes at one direction.
+/// Squares of the denominators of the amplitudes at one direction.
 struct End {
     // q = √(n² − sin² θ), the root that decays in the material.
     depth: Complex64,
-    // 1/(c + q).
-    s: Complex64,
-    // 1/(n² c + q).
-    p: Complex64,
+    // 1/|c + q|².
+    s: f64,
+    // 1/|n² c + q|².
+    p: f64,
 }
 
 impl End {
     fn new(squared: Complex64, cosine: f64) -> Self {
-        let root = (squared - 1.0 + cosine * cosine).sqrt();
-        let depth = if root.im < 0.0 { -root } else { root };
-        Self { depth, s: (depth + cosine).inv(), p: (squared * cosine + depth).inv() }
+        let depth = decaying_root(squared - 1.0 + cosine * cosine);
+        Self { depth, s: 1.0 / (depth + cosine).norm_sqr(), p: 1.0 / (squared * cosine + depth).norm_sqr() }
+    }
+}
+
+/// Returns the square root of `z` with an imaginary part of at least 0.
+fn decaying_root(z: Complex64) -> Complex64 {
+    let length = z.norm_sqr().sqrt();
+    // The larger part by a sum of positive numbers, the other one from Im z = 2 Re Im.
+    let larger = (0.5 * (length + z.re.abs())).sqrt();
+    let other = if larger > 0.0 { 0.5 * z.im / larger } else { 0.0 };
+    if z.re < 0.0 {
+        Complex64::new(other, larger)
+    } else if other < 0.0 {
+        Complex64::new(-larger, -other)
+    } else {
+        Complex64::new(larger, other)
     }
 }
 
@@ -71,15 +85,14 @@ impl Incidence {
         /// polarisations does not depend on it.
         const NORMAL: f64 = 1e-12;
         let (contrast, i, r) = (self.squared - 1.0, &self.end, End::new(self.squared, view.z));
-        let [across_i, across_r] = [self.light, view].map(|direction| direction.truncate());
+        let (across_i, across_r) = (self.light.truncate(), view.truncate());
         let sines = (across_i.length_squared() * across_r.length_squared()).sqrt();
         // The wave vectors in the plane are −ω_i and ω_r.
         let cos = if sines > NORMAL { (-across_i.dot(across_r) / sines).clamp(-1.0, 1.0) } else { 1.0 };
         let sin2 = 1.0 - cos * cos;
-        let [i_s, i_p, r_s, r_p] = [i.s, i.p, r.s, r.p].map(|root| root.norm_sqr());
         let difference = r.depth * i.depth * cos - self.squared * sines;
-        let te = i_s * (r_s * cos * cos + r.depth.norm_sqr() * r_p * sin2);
-        let tm = i_p * (i.depth.norm_sqr() * r_s * sin2 + r_p * difference.norm_sqr());
+        let te = i.s * (r.s * cos * cos + r.depth.norm_sqr() * r.p * sin2);
+        let tm = i.p * (i.depth.norm_sqr() * r.s * sin2 + r.p * difference.norm_sqr());
         contrast.norm_sqr() * self.polarisation.share([te, tm])
     }
 }
@@ -137,6 +150,20 @@ mod tests {
         let mut random = Random::new(5);
         let mut any = || direction(89.9 * random.share(), 360.0 * random.share());
         (0..count).map(|_| Pair::new(any(), any())).collect()
+    }
+
+    #[test]
+    fn squares_of_roots_are_the_numbers_and_roots_decay() {
+        let mut random = Random::new(3);
+        let mut numbers: Vec<_> =
+            (0..1000).map(|_| Complex64::new(9.0 * random.signed(), 9.0 * random.signed())).collect();
+        numbers.extend([2.0, -2.0, 0.0, -1e-20].map(Complex64::from));
+        numbers.extend([Complex64::new(0.0, 3.0), Complex64::new(0.0, -3.0), Complex64::new(-4.0, 1e-18)]);
+        for z in numbers {
+            let root = decaying_root(z);
+            assert!((root * root - z).norm() <= 1e-15 * z.norm(), "{z}: {root}");
+            assert!(root.im >= 0.0, "{z}: {root}");
+        }
     }
 
     #[test]

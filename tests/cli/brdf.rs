@@ -380,7 +380,8 @@ fn compare_tells_methods_apart_from_equal_ones() {
     let deviation = |pair: &str| -> f64 {
         let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.png"];
         // Bases are of one window.
-        let outcome = sandbox.run2(&start, &[&["--compare", pair, "--windows", "1x1"], &WINDOW[..]].concat());
+        let more = ["--compare", pair, "--windows", "1x1", "--coherence", "gaussian:8um", "--size", "32x32"];
+        let outcome = sandbox.run2(&start, &more);
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         let line = outcome.stderr.lines().last().unwrap_or_default().to_owned();
         line.rsplit(' ').next().unwrap().parse().unwrap()
