@@ -178,6 +178,7 @@ impl PortErrors {
         let colours: Vec<(DVec3, DVec3)> = colours.collect();
         let mut sizes: Vec<f64> = colours.iter().map(|(_, expected)| expected.length()).collect();
         sizes.sort_by(f64::total_cmp);
+        // No colours have no error: a default below is theirs.
         let faintest =
             (FAINT * sizes.get(sizes.len() / 2).copied().unwrap_or_default()).max(f64::MIN_POSITIVE);
         // A number that is not finite is as wrong as can be.
@@ -266,6 +267,7 @@ fn columns<const N: usize>(text: &str, names: [&str; N]) -> Result<Vec<[f64; N]>
         let record = record.map_err(fail)?;
         let mut row = [0.0; N];
         for (number, place) in row.iter_mut().zip(places) {
+            // Each record has as many cells as the header: `csv` refuses others.
             let cell = record.get(place).unwrap_or_default();
             let line = record.position().map_or(0, csv::Position::line);
             *number = cell.parse().map_err(|_| bad(line, format!("`{cell}` is not a number")))?;

@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &mut Model) {
         rows::show(ui, &rows::LEVEL, |ui| level(ui, source));
         coherence(ui, &mut model.settings.optics.coherence, &mut model.last_coherence);
         rows::show(ui, &rows::INDEX, |ui| index(ui, &mut model.settings.optics.reflectance));
-        let hint = "Drop a height image, a scene or an OBJ mesh on the window.";
+        let hint = "Drop a surface, a mesh or a scene on the window.";
         ui.label(RichText::new(hint).small().color(style::FAINT));
     });
 }
