@@ -19,11 +19,13 @@ use diffract::internals::render::directions::Directions;
 use diffract::internals::render::footprints;
 use diffract::internals::render::frame::{Shown, View};
 use diffract::internals::render::pigment::Pigment;
+use diffract::internals::render::reference_picture::{PixelReference, covered};
 use diffract::internals::render::sampling::Sampling;
 use diffract::internals::render::source::{ClassicalGrating, Source};
 use diffract::internals::scene::environment::Placement;
 use diffract::internals::scene::{Camera, Corner, Environment, FarLight, Lens, Light, Mesh, Scene};
 use diffract::internals::settings::{Method, Optics};
+use diffract::internals::setup::pigment_alone;
 use diffract::internals::surface::HeightField;
 use diffract::internals::surface::synth::SurfaceKind;
 use diffract::internals::task::Task;
@@ -186,6 +188,34 @@ fn a_sphere_in_a_studio_is_the_reference_sphere_over_the_same_directions() {
             eprintln!("{lights} lights unmirrored: {other:.4}");
             assert!(other > least_unmirrored, "{lights} lights: {other}");
         }
+    });
+}
+
+#[test]
+fn a_pigment_under_wide_lights_is_that_of_the_reference() {
+    const SIZE: [u32; 2] = [96, 72];
+    let scene = Scene::open("sphere").unwrap();
+    let mut view = View::of(&scene, Vec::new());
+    view.environment = Some(Environment::open("sky").unwrap());
+    view.base_colors = vec![Vec3::new(0.9, 0.5, 0.2)];
+    let (optics, sample) = (optics(16.0, 1.5), Sampling { count: 16, seed: 3 }.sample(1));
+    with_device(|device| {
+        let mut renderer = crate::renderer_of(device, &scene, &pigment_alone(), &optics, SIZE).unwrap();
+        renderer.draw_sample(&view, &sample, SHOWN).unwrap();
+        let found = renderer.read_back().unwrap().radiance;
+        let seen: Vec<Directions> = (0..view.light_count())
+            .map(|light| renderer.directions_of(&view, light, &sample).unwrap())
+            .collect();
+        let pixels = covered(&seen);
+        let reference = PixelReference::of_pigment(&optics);
+        let colors = reference.colors(&view, 0, &seen, &pixels, &Task::silent()).unwrap();
+        let mut exact = vec![[0.0; 4]; found.len()];
+        for (pixel, color) in pixels.into_iter().zip(colors) {
+            exact[pixel] = color.as_vec3().extend(1.0).to_array();
+        }
+        let error = colours(&found, &exact);
+        eprintln!("a pigment under the sky: {error:.1e}");
+        assert!(error < 1e-5, "{error:e}");
     });
 }
 
