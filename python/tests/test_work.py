@@ -14,14 +14,6 @@ import pytest
 import diffract
 from diffract import Context, HeightField, direction
 
-LONG = """
-import diffract
-field = diffract.HeightField.generate("elaphe")
-context = diffract.Context(cache=False)
-def work(progress=None):
-    return field.table(tolerance=1e-3, footprint=0, context=context, progress=progress)
-"""
-
 
 def python(code, **keywords):
     """Starts a Python process on `code`."""
@@ -54,14 +46,17 @@ def test_an_error_in_progress_ends_the_work():
 
 
 def test_ctrl_c_ends_the_work():
-    process = python(LONG + """
-def progress(done, of, stage):
-    print("running", flush=True)
-try:
-    work(progress)
-except KeyboardInterrupt:
-    print("interrupted", flush=True)
-""")
+    # Minutes of work, if nothing ends it.
+    process = python("""
+        import diffract
+        context = diffract.Context(cache=False)
+        def progress(done, of, stage):
+            print("running", flush=True)
+        try:
+            diffract.render("sphere", "blaze", size=(640, 480), samples=20000, tolerance=0.1, context=context, progress=progress)
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+        """)
     assert process.stdout.readline() == "running\n"
     process.send_signal(signal.SIGINT)
     rest, errors = process.communicate(timeout=60)
