@@ -6,7 +6,8 @@ import pathlib
 import sys
 import tempfile
 
-os.environ["BLENDER_USER_RESOURCES"] = tempfile.mkdtemp()
+resources = tempfile.TemporaryDirectory()
+os.environ["BLENDER_USER_RESOURCES"] = resources.name
 
 import bpy  # noqa: E402
 import mathutils  # noqa: E402

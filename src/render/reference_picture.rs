@@ -28,28 +28,7 @@ use glam::{DVec3, DVec4};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Shades `directions` (one entry per light of `view`) in f64. Returns RGBA as [`super::renderer::Picture::radiance`]. A
-/// pigment texture is ignored.
-///
-/// # Errors
-/// Same as [`nufft::cosine_weighted_xyz`].
-pub fn reference_picture(
-    field: &HeightField,
-    optics: &Optics,
-    view: &View,
-    directions: &[Directions],
-    task: &Task,
-) -> Result<Vec<[f32; 4]>> {
-    let covered = covered(directions);
-    let mut picture = vec![[0.0; 4]; directions.first().map_or(0, |d| d.view.len())];
-    let colors = reference_pixels(field, optics, view, directions, &covered, task)?;
-    for (pixel, color) in covered.into_iter().zip(colors) {
-        picture[pixel] = color.as_vec3().extend(1.0).to_array();
-    }
-    Ok(picture)
-}
-
-/// Returns the linear sRGB colours of the pixels with the numbers `pixels`, as [`reference_picture`] computes them.
+/// Returns the linear sRGB colours of the pixels with the numbers `pixels` for `directions`, one entry per light of `view`. A pigment texture is ignored.
 ///
 /// # Errors
 /// Same as [`PixelReference::new`] and [`PixelReference::colors`].

@@ -61,7 +61,23 @@ pub fn reference(field: &HeightField, optics: &Optics) -> Arc<PixelReference> {
     made.get_or_insert_with(new).clone()
 }
 
-/// What a reference picture shows: a surface under a light, on the main object of a view.
+/// Returns the `chosen` pixels by `reference` for `directions`, one entry per light; others are empty.
+pub fn shaded(
+    reference: &PixelReference,
+    view: &View,
+    directions: &[Directions],
+    chosen: &dyn Fn(usize) -> bool,
+) -> Vec<[f32; 4]> {
+    let mut picture = vec![[0.0; 4]; directions[0].view.len()];
+    let pixels: Vec<usize> = covered(directions).into_iter().filter(|&pixel| chosen(pixel)).collect();
+    let colors = reference.colors(view, 0, directions, &pixels, &Task::silent()).unwrap();
+    for (pixel, color) in pixels.into_iter().zip(colors) {
+        picture[pixel] = color.as_vec3().extend(1.0).to_array();
+    }
+    picture
+}
+
+/// Contents of a reference picture: the main object of a view, with a surface.
 pub struct Pictured<'a> {
     pub field: &'a HeightField,
     pub optics: &'a Optics,
@@ -100,13 +116,7 @@ impl Pictured<'_> {
     }
 
     fn part_by(&self, directions: &[Directions], chosen: &dyn Fn(usize) -> bool) -> Vec<[f32; 4]> {
-        let mut picture = vec![[0.0; 4]; directions[0].view.len()];
-        let pixels: Vec<usize> = covered(directions).into_iter().filter(|&pixel| chosen(pixel)).collect();
-        let colors = self.reference().colors(self.view, 0, directions, &pixels, &Task::silent()).unwrap();
-        for (pixel, color) in pixels.into_iter().zip(colors) {
-            picture[pixel] = color.as_vec3().extend(1.0).to_array();
-        }
-        picture
+        shaded(&self.reference(), self.view, directions, chosen)
     }
 
     /// Returns the mean of samples, which is kept under `name`; `directions` returns those of a pass.

@@ -4,18 +4,17 @@
 use crate::device::with_device;
 use crate::evaluation::patch;
 use crate::measure::channel;
+use crate::shared::Pictured;
 use diffract::internals::optics::coherence::{Coherence, Windows};
 use diffract::internals::optics::reflectance::Reflectance;
 use diffract::internals::optics::spectrum::SHORTEST;
 use diffract::internals::optics::theory::Theory;
 use diffract::internals::render::frame::View;
-use diffract::internals::render::reference_picture::reference_picture;
 use diffract::internals::render::source::{Source, Thesis};
 use diffract::internals::scene::{Light, Scene};
 use diffract::internals::settings::Optics;
 use diffract::internals::spectra::amplitude::thesis;
 use diffract::internals::surface::synth::SurfaceKind;
-use diffract::internals::task::Task;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -39,7 +38,8 @@ fn the_thesis_sum_is_right_where_three_bins_hold_the_window() {
                 let mut renderer = crate::renderer_of(device, &scene, &source, &optics, SIZE).unwrap();
                 let picture = renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap();
                 let directions = [renderer.directions(&view, 0).unwrap()];
-                let exact = reference_picture(&field, &optics, &view, &directions, &Task::silent()).unwrap();
+                let exact =
+                    Pictured { field: &field, optics: &optics, view: &view, size: SIZE }.by(&directions);
                 (0..3).map(|c| channel(&picture.radiance, &exact, c)).fold(0.0, f64::max)
             };
             // The spectrum of a Gaussian of σ = 0.5 T falls to 1.5e-5 at one and a half bins, of σ = 0.25 T to 0.06.
