@@ -27,6 +27,8 @@ pub const PREPARATION: &str = "preparation";
 pub const STATISTICS: &str = "statistics";
 /// Stage of work that computes orders.
 pub const ORDERS: &str = "orders";
+/// Stage of work that draws a picture in pieces; its parts are pixels of its passes.
+pub const PIECES: &str = "pieces";
 
 /// Receiver of the progress of some work.
 type Observer = dyn Fn(Progress) + Send + Sync;
@@ -59,6 +61,23 @@ impl Task {
     #[must_use]
     pub fn observed(&self, observer: impl Fn(Progress) + Send + Sync + 'static) -> Self {
         Self { observer: Some(Arc::new(observer)), cancelled: Arc::clone(&self.cancelled) }
+    }
+
+    /// Returns a task that is cancelled by the first report for which `goes_on` returns false.
+    pub fn while_true(goes_on: impl Fn(Progress) -> bool + Send + Sync + 'static) -> Self {
+        let task = Self::silent();
+        let cancelled = task.clone();
+        task.observed(move |progress| {
+            if !goes_on(progress) {
+                cancelled.cancel();
+            }
+        })
+    }
+
+    /// Returns the same task for work whose progress nobody sees.
+    #[must_use]
+    pub fn unseen(&self) -> Self {
+        Self { observer: None, cancelled: Arc::clone(&self.cancelled) }
     }
 
     /// Returns the task of a part of this work, cancelled with it. `seen_as` turns the part's progress into that of the whole.

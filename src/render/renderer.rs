@@ -18,6 +18,7 @@ use super::source::Source;
 use super::target::{self, Target};
 use crate::error::{Error, Result};
 use crate::settings::Optics;
+use crate::task::{PIECES, Task};
 use crate::vk::access::Access;
 use crate::vk::commands::{Commands, Recorder};
 use crate::vk::device::Device;
@@ -280,25 +281,24 @@ impl Renderer {
     }
 
     /// Draws `drawn` pass by pass in pieces, as [`Self::draw`] describes. Returns the device time.
-    fn draw_tiles(
-        &mut self,
-        drawn: DrawRequest<'_>,
-        finish: FinalStep,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<DrawTimes>> {
+    ///
+    /// # Errors
+    /// Fails if the device is lost, or if the task is cancelled.
+    fn draw_tiles(&mut self, drawn: DrawRequest<'_>, finish: FinalStep, task: &Task) -> Result<DrawTimes> {
         let DrawRequest { view, size, passes } = drawn;
         let count = passes.len() as f64;
+        let pixels = size[0] as usize * size[1] as usize;
         let mut total = DrawTimes::default();
         for (number, pass) in passes.iter().enumerate() {
             self.write(view, size, pass)?;
             let (iterations, parts) = (self.shadings.iterations(view, pass), self.shadings.parts(view, pass));
             let mut tiles = Tiles::new(size, self.pixel_time, iterations, parts);
             loop {
-                let done = (number as f64 + tiles.drawn()) / count;
+                let done = ((number as f64 + tiles.drawn()) * pixels as f64) as usize;
                 let Some(piece) = tiles.next_piece() else { break };
-                if !go_on(done) {
+                if let Err(cancelled) = task.report(PIECES, done, passes.len() * pixels) {
                     self.in_flight.finish()?;
-                    return Ok(None);
+                    return Err(cancelled);
                 }
                 if let Some(Finished { pixels, times }) = self.submit(drawn, number, piece, finish)? {
                     tiles.took(pixels, times.shading);
@@ -308,7 +308,7 @@ impl Renderer {
             self.in_flight.finish()?.into_iter().for_each(|finished| total.add(finished.times));
         }
         self.pixel_time = Some(total.shading / (count * f64::from(size[0]) * f64::from(size[1])));
-        Ok(Some(total))
+        Ok(total)
     }
 
     /// Displays the last picture with other settings; returns false if there is no complete picture.

@@ -20,9 +20,10 @@ use crate::render::sampling::Sampling;
 use crate::render::source::Source;
 use crate::render::target;
 use crate::render::upload;
+use crate::task::{Progress, Task};
 use crate::vk::device::Device;
 use crate::vk::image::Image;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Renderer and the data it was made for.
@@ -70,21 +71,14 @@ impl Slot {
             })
     }
 
-    /// Adds samples to the displayed `request` and shows the mean. Returns the number of samples, or `None` if `go_on`
-    /// returned false.
-    fn add_samples(
-        &mut self,
-        request: &FrameRequest,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<u32>> {
+    /// Adds samples to the displayed `request` and shows the mean. Returns the number of samples.
+    fn add_samples(&mut self, request: &FrameRequest, task: &Task) -> Result<u32> {
         let FrameRequest { view, sampling, size, .. } = request;
         let shown = self.displayed.as_ref().map_or(request.shown, |displayed| displayed.shown);
         let added =
-            self.renderer.draw(&PictureRequest { view, sampling: *sampling, size: *size, shown }, go_on)?;
-        if added.is_some() {
-            self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
-        }
-        Ok(added.map(|progress| progress.samples))
+            self.renderer.draw(&PictureRequest { view, sampling: *sampling, size: *size, shown }, task)?;
+        self.displayed = Some(Displayed { view: view.clone(), shown, size: *size, sampling: *sampling });
+        Ok(added.samples)
     }
 
     /// Shades with `prepared` from now on. The textures on the device stay; only the parts that depend on other
@@ -136,11 +130,11 @@ impl FrameRenderer {
     }
 
     /// Works on the tasks of `queue` until it is stopped.
-    pub fn run(mut self, queue: &JobQueue, reply: &dyn Fn(RenderReply)) {
+    pub fn run(mut self, queue: &Arc<JobQueue>, reply: &Arc<Receiver>) {
         while let Some(task) = queue.next() {
             let result = match task {
                 RenderWork::Frame(request) => {
-                    let drawn = self.draw(&request, queue, reply);
+                    let drawn = unless_cancelled(self.draw(&request, queue, reply));
                     match drawn {
                         Ok(None) => queue.resume(request),
                         Ok(Some(RenderReply::Frame(_))) => go_on_with(request, queue),
@@ -151,7 +145,8 @@ impl FrameRenderer {
                 RenderWork::Pixel(request) => self.read_pixel(request),
                 RenderWork::Refine(request) => self.refine(request, queue),
                 RenderWork::Job(job) => {
-                    let done = match (self.perform(&job, queue, reply), &job) {
+                    let done = unless_cancelled(self.perform(&job, queue, reply));
+                    let done = match (done, &job) {
                         (Err(e), Job::Picture(_)) if !self.device.is_lost() => {
                             Ok(Some(RenderReply::Picture(Err(e))))
                         }
@@ -172,50 +167,31 @@ impl FrameRenderer {
         }
     }
 
-    /// Draws `request` and reports progress to `reply` if it takes long; `None` if a newer request replaced it.
+    /// Draws `request` and reports progress to `reply` if it takes long. Work that a newer request replaces is cancelled.
     fn draw(
         &mut self,
         request: &FrameRequest,
-        queue: &JobQueue,
-        reply: &dyn Fn(RenderReply),
-    ) -> Result<Option<RenderReply>> {
+        queue: &Arc<JobQueue>,
+        reply: &Arc<Receiver>,
+    ) -> Result<RenderReply> {
         let start = Instant::now();
-        let superseded = || {
-            let pending = queue.pending();
-            pending.stop || pending.frame.is_some()
-        };
-        let newer = || superseded() || request.again && !queue.pending().jobs.is_empty();
-        let milliseconds = || start.elapsed().as_secs_f64() * 1e3;
-        let mut told = milliseconds();
-        let mut go_on = |what: Side, part: f64| {
-            if milliseconds() - told > BETWEEN_REPORTS {
-                told = milliseconds();
-                reply(RenderReply::Drawing(what, part as f32));
-            }
-            if request.moving {
-                // A frame of a moving scene is short, and the window waits for it.
-                let is_kept = request.quality == Quality::COARSEST || milliseconds() <= LONGEST_MOVING_FRAME;
-                return is_kept && !queue.pending().stop || !newer();
-            }
-            queue.give_way();
-            !newer()
-        };
         let (slot, prepared) = (&mut self.full, &request.full);
         let size = request.quality.size(request.size);
         let first = slot.as_ref().is_none_or(|slot| !slot.serves(prepared, request));
-        let mut own_goes_on = |part| go_on(Side::Own, part);
-        let Some(mut time) = paint(&self.device, slot, prepared, request, size, &mut own_goes_on)? else {
-            return Ok(request.moving.then(|| RenderReply::TooSlow(request.quality, milliseconds())));
+        let task = |side| frame_task(request, side, start, queue, reply);
+        let mut time = match paint(&self.device, slot, prepared, request, size, &task(Side::Own)) {
+            Err(e) if e.is_cancelled() && request.moving => {
+                return Ok(RenderReply::TooSlow(request.quality, milliseconds_since(start)));
+            }
+            painted => painted?,
         };
         let measured = if request.measured { expose(slot, request.shown, size)? } else { None };
-        let Some(left) = slot.as_ref().map(|s| s.renderer.target().display.clone()) else { return Ok(None) };
+        let Some(left) = slot.as_ref().map(|s| s.renderer.target().display.clone()) else {
+            return Err(Error::bug("there is no picture"));
+        };
         let (mut right, mut difference) = (left.clone(), None);
         if let Some(other) = request.other.as_ref().filter(|_| request.compare != Compare::Alone) {
-            let mut other_goes_on = |part| go_on(Side::Other, part);
-            let Some(more) = paint(&self.device, &mut self.other, other, request, size, &mut other_goes_on)?
-            else {
-                return Ok(None);
-            };
+            let more = paint(&self.device, &mut self.other, other, request, size, &task(Side::Other))?;
             time = FrameTime { gpu: time.gpu + more.gpu, wall: time.wall + more.wall };
             if let Some((image, total)) = self.right_image(request, size)? {
                 (right, difference) = (image, total);
@@ -225,9 +201,9 @@ impl FrameRenderer {
         }
         let inset = request.inset.map(|wanted| self.hemisphere(request, wanted)).transpose()?.flatten();
         // A newer request counts its picture.
-        let whole = request.quality == Quality::WHOLE && !superseded();
+        let whole = request.quality == Quality::WHOLE && !queue.has_newer_frame();
         let cost = if whole { self.count(request)? } else { None };
-        Ok(Some(RenderReply::Frame(Box::new(RenderedFrame {
+        Ok(RenderReply::Frame(Box::new(RenderedFrame {
             images: [left, right],
             sizes: [size; 2],
             quality: request.quality,
@@ -243,21 +219,24 @@ impl FrameRenderer {
             inset,
             difference,
             number: request.full.number,
-        }))))
+        })))
     }
 
     /// Adds samples to the frame of `request`; `None` if it is no longer shown or was interrupted.
-    fn refine(&mut self, request: FrameRequest, queue: &JobQueue) -> Result<Option<RenderReply>> {
+    fn refine(&mut self, request: FrameRequest, queue: &Arc<JobQueue>) -> Result<Option<RenderReply>> {
         let start = Instant::now();
         let Some(slot) = self.full.as_mut().filter(|slot| slot.is_ready_for(&request)) else {
             return Ok(None);
         };
-        let mut go_on = |_: f64| {
-            queue.give_way();
-            let pending = queue.pending();
-            !pending.stop && pending.frame.is_none() && pending.pixel.is_none() && pending.jobs.is_empty()
-        };
-        let Some(samples) = slot.add_samples(&request, &mut go_on)? else {
+        let task = Task::while_true({
+            let queue = Arc::clone(queue);
+            move |_| {
+                queue.give_way();
+                let pending = queue.pending();
+                !pending.stop && pending.frame.is_none() && pending.pixel.is_none() && pending.jobs.is_empty()
+            }
+        });
+        let Some(samples) = unless_cancelled(slot.add_samples(&request, &task))? else {
             queue.refine(request);
             return Ok(None);
         };
@@ -365,30 +344,26 @@ impl FrameRenderer {
         Ok(Some(cost))
     }
 
-    /// Does `job` and reports the progress of a picture to `reply`; `None` if it was interrupted.
-    fn perform(
-        &mut self,
-        job: &Job,
-        queue: &JobQueue,
-        reply: &dyn Fn(RenderReply),
-    ) -> Result<Option<RenderReply>> {
+    /// Does `job` and reports the progress of a picture to `reply`. A frame that the window waits for cancels it.
+    fn perform(&mut self, job: &Job, queue: &Arc<JobQueue>, reply: &Arc<Receiver>) -> Result<RenderReply> {
         let (Job::Picture(request) | Job::Samples(request)) = job;
         // Errors are measured on a single sample.
         let sampling = if matches!(job, Job::Samples(_)) { Sampling::ONE } else { request.sampling };
-        let mut told = Instant::now();
-        let mut go_on = |samples: u32, part: f64| {
-            if matches!(job, Job::Picture(_)) && told.elapsed().as_secs_f64() * 1e3 > BETWEEN_REPORTS {
-                told = Instant::now();
-                reply(RenderReply::Saving(((f64::from(samples) + part) / f64::from(sampling.count)) as f32));
-            }
-            queue.give_way();
-            !queue.interrupts_jobs()
+        let watch = Reports::new(reply);
+        let task = |samples: u32| {
+            let (queue, watch, is_picture) =
+                (Arc::clone(queue), watch.clone(), matches!(job, Job::Picture(_)));
+            Task::while_true(move |progress| {
+                if is_picture {
+                    let part = (f64::from(samples) + fraction(progress)) / f64::from(sampling.count);
+                    watch.tell(|| RenderReply::Saving(part as f32));
+                }
+                queue.give_way();
+                !queue.interrupts_jobs()
+            })
         };
         let drawn = FrameRequest { sampling, ..request.clone() };
-        let mut first = |part| go_on(0, part);
-        if paint(&self.device, &mut self.full, &request.full, &drawn, request.size, &mut first)?.is_none() {
-            return Ok(None);
-        }
+        paint(&self.device, &mut self.full, &request.full, &drawn, request.size, &task(0))?;
         let Some(slot) = &mut self.full else {
             return Err(Error::bug("there is no picture"));
         };
@@ -396,10 +371,7 @@ impl FrameRenderer {
             Job::Picture(request) => {
                 let mut samples = 1;
                 while samples < sampling.count {
-                    match slot.add_samples(request, &mut |part| go_on(samples, part))? {
-                        Some(all) => samples = all,
-                        None => return Ok(None),
-                    }
+                    samples = slot.add_samples(request, &task(samples))?;
                 }
                 let full = &request.full;
                 let note = || {
@@ -420,7 +392,74 @@ impl FrameRenderer {
                 exposure: request.shown.exposure,
             })),
         };
-        Ok(Some(done))
+        Ok(done)
+    }
+}
+
+/// Receiver of the replies of the render thread.
+pub type Receiver = dyn Fn(RenderReply) + Send + Sync;
+
+/// Replies about the progress of a picture, of which one in [`BETWEEN_REPORTS`] is sent.
+#[derive(Clone)]
+struct Reports {
+    reply: Arc<Receiver>,
+    last: Arc<Mutex<Instant>>,
+}
+
+impl Reports {
+    /// Returns reports of which the first is sent after [`BETWEEN_REPORTS`].
+    fn new(reply: &Arc<Receiver>) -> Self {
+        Self { reply: Arc::clone(reply), last: Arc::new(Mutex::new(Instant::now())) }
+    }
+
+    /// Sends `report` if it is time.
+    fn tell(&self, report: impl FnOnce() -> RenderReply) {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if milliseconds_since(*last) > BETWEEN_REPORTS {
+            *last = Instant::now();
+            (self.reply)(report());
+        }
+    }
+}
+
+/// Returns the task of drawing `request`, begun at `start`, for `side`: it is cancelled when a newer request replaces it.
+fn frame_task(
+    request: &FrameRequest,
+    side: Side,
+    start: Instant,
+    queue: &Arc<JobQueue>,
+    reply: &Arc<Receiver>,
+) -> Task {
+    let (queue, reports) = (Arc::clone(queue), Reports::new(reply));
+    let FrameRequest { moving, again, quality, .. } = *request;
+    Task::while_true(move |progress| {
+        let newer = || queue.has_newer_frame() || again && !queue.pending().jobs.is_empty();
+        reports.tell(|| RenderReply::Drawing(side, fraction(progress) as f32));
+        if moving {
+            // A frame of a moving scene is short, and the window waits for it.
+            let is_kept = quality == Quality::COARSEST || milliseconds_since(start) <= LONGEST_MOVING_FRAME;
+            return is_kept && !queue.pending().stop || !newer();
+        }
+        queue.give_way();
+        !newer()
+    })
+}
+
+/// Returns the part of a stage that is done.
+fn fraction(Progress { done, of, .. }: Progress) -> f64 {
+    done as f64 / of.max(1) as f64
+}
+
+/// Returns the time since `start` \[ms\].
+fn milliseconds_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// Returns what was done, or `None` if it was cancelled.
+fn unless_cancelled<T>(done: Result<T>) -> Result<Option<T>> {
+    match done {
+        Err(e) if e.is_cancelled() => Ok(None),
+        done => done.map(Some),
     }
 }
 
@@ -431,16 +470,16 @@ fn go_on_with(request: FrameRequest, queue: &JobQueue) {
     }
 }
 
-/// Draws `request` from `prepared` with the renderer of `slot`, at `size` pixels; `None` if `go_on` returned false.
-/// Makes the renderer if the slot has no suitable one.
+/// Draws `request` from `prepared` with the renderer of `slot`, at `size` pixels. Makes the renderer if the slot has no
+/// suitable one.
 fn paint(
     device: &Arc<Device>,
     slot: &mut Option<Slot>,
     prepared: &Arc<Prepared>,
     request: &FrameRequest,
     size: [u32; 2],
-    go_on: &mut dyn FnMut(f64) -> bool,
-) -> Result<Option<FrameTime>> {
+    task: &Task,
+) -> Result<FrameTime> {
     let slot = serving(device, slot, prepared, request)?;
     let (view, shown) = (&request.view, request.shown);
     let wanted = Displayed { view: view.clone(), shown, size, sampling: Sampling::ONE };
@@ -454,11 +493,11 @@ fn paint(
     {
         let wanted = Displayed { sampling: displayed.sampling, ..wanted.clone() };
         if displayed.shown == shown {
-            return Ok(Some(FrameTime::default()));
+            return Ok(FrameTime::default());
         }
         if slot.renderer.display(size, shown)? {
             slot.displayed = Some(wanted);
-            return Ok(Some(FrameTime::default()));
+            return Ok(FrameTime::default());
         }
     }
     if prepared.source().has_limits(prepared.optics()) {
@@ -467,11 +506,9 @@ fn paint(
     }
     slot.displayed = None;
     let start = Instant::now();
-    let drawn = slot.renderer.draw(&PictureRequest::one_sample(view, size, shown), go_on)?;
-    Ok(drawn.map(|drawn| {
-        slot.displayed = Some(wanted);
-        FrameTime { gpu: drawn.milliseconds, wall: start.elapsed().as_secs_f64() * 1e3 }
-    }))
+    let drawn = slot.renderer.draw(&PictureRequest::one_sample(view, size, shown), task)?;
+    slot.displayed = Some(wanted);
+    Ok(FrameTime { gpu: drawn.milliseconds, wall: start.elapsed().as_secs_f64() * 1e3 })
 }
 
 /// Displays the picture of `slot`, of `size` pixels, with automatic exposure \[stops\] and otherwise with the settings

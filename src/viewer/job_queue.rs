@@ -100,6 +100,12 @@ impl JobQueue {
         self.changed.notify_one();
     }
 
+    /// Returns true if the drawn frame is replaced by a newer request, or no longer wanted at all.
+    pub fn has_newer_frame(&self) -> bool {
+        let pending = self.pending();
+        pending.stop || pending.frame.is_some()
+    }
+
     /// Returns true if a job is to be interrupted.
     pub fn interrupts_jobs(&self) -> bool {
         let pending = self.pending();

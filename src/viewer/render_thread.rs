@@ -1,7 +1,7 @@
 //! Thread that draws the scene, with the same renderers as `diffract render`.
 
 use super::frame::FrameRequest;
-use super::frame_renderer::FrameRenderer;
+use super::frame_renderer::{FrameRenderer, Receiver};
 use super::job_queue::{Job, JobQueue, PixelRequest, RenderReply};
 use super::threads;
 use crate::error::Result;
@@ -20,9 +20,10 @@ impl RenderThread {
     ///
     /// # Errors
     /// Fails if the system refuses a thread.
-    pub fn new(device: &Arc<Device>, reply: impl Fn(RenderReply) + Send + 'static) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, reply: impl Fn(RenderReply) + Send + Sync + 'static) -> Result<Self> {
         let queue = Arc::<JobQueue>::default();
         let (tasks, device) = (queue.clone(), device.clone());
+        let reply: Arc<Receiver> = Arc::new(reply);
         let work = move || FrameRenderer::new(device).run(&tasks, &reply);
         let thread = threads::spawn("pictures", work)?;
         Ok(Self { queue, thread: Some(thread) })

@@ -2,6 +2,7 @@
 
 use crate::device::with_device;
 use crate::evaluation::{layers, optics, patch, window};
+use diffract::internals::error::ErrorKind;
 use diffract::internals::optics::color::Tone;
 use diffract::internals::render::footprints::{Distribution, median_pixel_area};
 use diffract::internals::render::frame::{Shown, View};
@@ -14,6 +15,7 @@ use diffract::internals::task::Task;
 use diffract::internals::vk::device::Device;
 use glam::{DVec2, DVec3, DVec4, Vec3};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const SIZE: [u32; 2] = [48, 36];
 const SHOWN: Shown = Shown::plain(0.5, DVec3::new(0.1, 0.2, 0.3));
@@ -65,8 +67,7 @@ fn a_sum_of_one_sample_is_the_single_sample_to_the_bit() {
         let one = Sampling { count: 1, seed: 9 };
         assert!(all(&mut renderer, &view, one) == plain);
         let added = renderer
-            .draw(&PictureRequest { view: &view, sampling: one, size: SIZE, shown: SHOWN }, &mut |_| true)
-            .unwrap()
+            .draw(&PictureRequest { view: &view, sampling: one, size: SIZE, shown: SHOWN }, &Task::silent())
             .unwrap();
         assert_eq!(added.samples, 1);
         assert!(renderer.read_back().unwrap() == plain);
@@ -128,20 +129,23 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
         let expected = [all(&mut fresh, &view, sampling), all(&mut fresh, &other, sampling)];
         let add = |renderer: &mut Renderer, view: &View, sampling: &Sampling, go_on: bool| {
             renderer
-                .draw(&PictureRequest { view, sampling: *sampling, size: SIZE, shown: SHOWN }, &mut |_| go_on)
-                .unwrap()
+                .draw(
+                    &PictureRequest { view, sampling: *sampling, size: SIZE, shown: SHOWN },
+                    &Task::while_true(move |_| go_on),
+                )
                 .map(|progress| progress.samples)
+                .map_err(|e| e.kind())
         };
-        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(1));
-        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(2));
-        assert_eq!(add(&mut renderer, &view, &sampling, false), None);
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Ok(1));
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Ok(2));
+        assert_eq!(add(&mut renderer, &view, &sampling, false), Err(ErrorKind::Cancelled));
         // Neither another picture nor a look at directions disturbs the sum.
         renderer.draw_plain(&other, 0.0, DVec3::ZERO).unwrap();
         renderer.directions(&other, 0).unwrap();
-        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(3));
-        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(4));
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Ok(3));
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Ok(4));
         assert!(renderer.read_back().unwrap() == expected[0]);
-        assert_eq!(add(&mut renderer, &view, &sampling, true), Some(4), "there are no more");
+        assert_eq!(add(&mut renderer, &view, &sampling, true), Ok(4), "there are no more");
         assert!(renderer.read_back().unwrap() == expected[0]);
         assert!(renderer.display(SIZE, Shown { exposure: SHOWN.exposure + 1.0, ..SHOWN }).unwrap());
         let brighter = renderer.read_back().unwrap();
@@ -149,15 +153,15 @@ fn samples_start_anew_when_anything_changes_and_go_on_after_one_that_was_given_u
 
         let seeded = Sampling { seed: 2, ..sampling };
         for (view, sampling) in [(&other, &sampling), (&other, &seeded), (&other, &sampling)] {
-            assert_eq!(add(&mut renderer, view, sampling, true), Some(1), "it does not start anew");
+            assert_eq!(add(&mut renderer, view, sampling, true), Ok(1), "it does not start anew");
         }
         for _ in 1..4 {
-            add(&mut renderer, &other, &sampling, true);
+            add(&mut renderer, &other, &sampling, true).unwrap();
         }
         assert!(renderer.read_back().unwrap() == expected[1]);
         renderer.resize([24, 18]).unwrap();
         renderer.resize(SIZE).unwrap();
-        assert_eq!(add(&mut renderer, &other, &sampling, true), Some(1), "another size keeps a sum");
+        assert_eq!(add(&mut renderer, &other, &sampling, true), Ok(1), "another size keeps a sum");
     });
 }
 
@@ -167,17 +171,15 @@ fn the_first_samples_of_a_mean_that_are_given_up_leave_no_picture_for_read_back(
     let (view, sampling) = (view(&scene), Sampling { count: 4, seed: 1 });
     with_device(|device| {
         let mut renderer = renderer(device, &scene);
-        renderer.draw(&PictureRequest::one_sample(&view, SIZE, SHOWN), &mut |_| true).unwrap();
+        renderer.draw(&PictureRequest::one_sample(&view, SIZE, SHOWN), &Task::silent()).unwrap();
         assert!(renderer.has_picture());
-        let mut pieces = 0;
+        let pieces = AtomicUsize::new(0);
         let request = PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN };
-        let mut one_piece = |_| {
-            pieces += 1;
-            pieces < 2
-        };
-        assert!(renderer.draw(&request, &mut one_piece).unwrap().is_none(), "one piece is all samples");
+        let one_piece = Task::while_true(move |_| pieces.fetch_add(1, Ordering::Relaxed) < 1);
+        let given_up = renderer.draw(&request, &one_piece);
+        assert!(given_up.is_err_and(|e| e.is_cancelled()), "one piece is all samples");
         assert!(!renderer.has_picture());
-        renderer.draw(&request, &mut |_| true).unwrap();
+        renderer.draw(&request, &Task::silent()).unwrap();
         assert!(renderer.has_picture());
     });
 }
@@ -189,12 +191,12 @@ fn sample_after_sample_the_device_holds_the_same() {
     with_device(|device| {
         let mut renderer = renderer(device, &scene);
         renderer
-            .draw(&PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN }, &mut |_| true)
+            .draw(&PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN }, &Task::silent())
             .unwrap();
         let before = device.memory_in_use();
         for _ in 1..64 {
             renderer
-                .draw(&PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN }, &mut |_| true)
+                .draw(&PictureRequest { view: &view, sampling, size: SIZE, shown: SHOWN }, &Task::silent())
                 .unwrap();
             assert_eq!(device.memory_in_use(), before);
         }

@@ -269,12 +269,9 @@ fn surroundings_are_displayed_where_the_mesh_does_not_cover_them() {
             // A picture of another view that is given up changes nothing of what is shown.
             let elsewhere = Camera { phi: view.camera.phi + 1.0, ..view.camera };
             let other = View { camera: elsewhere, ..view.clone() };
-            assert!(
-                renderer
-                    .draw(&PictureRequest::one_sample(&other, size, shown), &mut |_| false)
-                    .unwrap()
-                    .is_none()
-            );
+            let never = Task::while_true(|_| false);
+            let given_up = renderer.draw(&PictureRequest::one_sample(&other, size, shown), &never);
+            assert!(given_up.is_err_and(|e| e.is_cancelled()));
             assert!(renderer.display(size, shown).unwrap());
             let again = renderer.read_back().unwrap();
             let codes = again.display.iter().flatten().zip(picture.display.iter().flatten());

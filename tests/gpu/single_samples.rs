@@ -20,6 +20,8 @@ use diffract::internals::settings::{Method, Optics};
 use diffract::internals::surface::synth::SurfaceKind;
 use diffract::internals::task::Task;
 use glam::{DVec3, Vec3};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 const SHOWN: Shown = Shown { exposure: 0.0, tone: Tone::None, background: DVec3::ZERO };
 
@@ -177,27 +179,22 @@ fn parts_of_a_sum_that_are_drawn_one_by_one_make_the_same_picture() {
         timed.time(&watch, &view, SHOWN.exposure, SHOWN.background).unwrap();
         let whole = timed.read_back().unwrap();
         let mut renderer = new(&source);
-        let mut pieces = Vec::new();
-        let mut next = |drawn: f64| {
-            pieces.push(drawn);
-            true
-        };
-        renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &mut next).unwrap().unwrap();
+        let pieces = Arc::new(Mutex::new(Vec::new()));
+        let next = Task::reporting({
+            let pieces = Arc::clone(&pieces);
+            move |progress| pieces.lock().unwrap().push(progress.done)
+        });
+        renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &next).unwrap();
         assert!(renderer.read_back().unwrap() == whole);
         // The first tile is 4 x 4 pixels.
-        let share = 16.0 / f64::from(size[0] * size[1]);
-        let of_first_tile = pieces.iter().filter(|&&drawn| drawn < 0.999 * share).count();
+        let of_first_tile = pieces.lock().unwrap().iter().filter(|&&drawn| drawn < 16).count();
         assert!(of_first_tile > 1, "the parts of a tile are drawn together");
         // Given up in the middle of a tile, and drawn anew.
-        let mut left = of_first_tile;
-        let mut give_up = |_| {
-            left -= 1;
-            left > 0
-        };
-        assert!(
-            renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &mut give_up).unwrap().is_none()
-        );
-        renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &mut |_| true).unwrap().unwrap();
+        let drawn = AtomicUsize::new(0);
+        let give_up = Task::while_true(move |_| drawn.fetch_add(1, Ordering::Relaxed) + 1 < of_first_tile);
+        let given_up = renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &give_up);
+        assert!(given_up.is_err_and(|e| e.is_cancelled()));
+        renderer.draw(&PictureRequest::one_sample(&view, size, SHOWN), &Task::silent()).unwrap();
         assert!(renderer.read_back().unwrap() == whole);
     });
 }

@@ -18,6 +18,7 @@ use diffract::internals::viewer::error_probe::{ProbeSamples, samples};
 use diffract::internals::vk::device::Device;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const SIZE: [u32; 2] = [96, 72];
 
@@ -64,7 +65,10 @@ fn other_settings_for_the_same_layers_take_no_new_layers_and_make_the_same_pictu
             assert!(renderer.render_plain(&view, 0.0, DVec3::ZERO).unwrap() == expected);
             // In tiles, too, each of which is a submission of its own.
             renderer
-                .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(0.0, DVec3::ZERO)), &mut |_| true)
+                .draw(
+                    &PictureRequest::one_sample(&view, SIZE, Shown::plain(0.0, DVec3::ZERO)),
+                    &Task::silent(),
+                )
                 .unwrap();
             assert!(renderer.read_back().unwrap() == expected);
         }
@@ -147,31 +151,27 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
         whole.time(&watch, &view, 1.0, background).unwrap();
         let expected = whole.read_back().unwrap();
         let mut renderer = renderer(device, &scene, SIZE);
-        let mut asked = 0;
-        let mut count = |part: f64| {
-            assert!((0.0..1.0).contains(&part), "{part}");
-            asked += 1;
-            true
-        };
-        assert!(
-            renderer
-                .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(1.0, background)), &mut count)
-                .unwrap()
-                .is_some()
-        );
-        assert!(asked >= 2, "the picture has more than one tile at first");
+        let asked = Arc::new(AtomicUsize::new(0));
+        let count = Task::reporting({
+            let asked = Arc::clone(&asked);
+            move |progress| {
+                assert!(progress.done < progress.of, "{progress:?}");
+                asked.fetch_add(1, Ordering::Relaxed);
+            }
+        });
+        renderer
+            .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(1.0, background)), &count)
+            .unwrap();
+        assert!(asked.load(Ordering::Relaxed) >= 2, "the picture has more than one tile at first");
         assert!(renderer.read_back().unwrap() == expected);
         // Another light, given up after the first tile.
-        let mut tiles = 0;
-        let mut once = |_| {
-            tiles += 1;
-            tiles < 2
-        };
+        let tiles = AtomicUsize::new(0);
+        let once = Task::while_true(move |_| tiles.fetch_add(1, Ordering::Relaxed) < 1);
         let other = View { lights: vec![Light::point(70.0, 100.0, 1.0)], ..view.clone() };
-        let done = renderer
-            .draw(&PictureRequest::one_sample(&other, SIZE, Shown::plain(1.0, background)), &mut once)
-            .unwrap();
-        if done.is_none() {
+        let done =
+            renderer.draw(&PictureRequest::one_sample(&other, SIZE, Shown::plain(1.0, background)), &once);
+        if let Err(e) = done {
+            assert!(e.is_cancelled(), "{e}");
             assert!(renderer.read_back().unwrap().display == expected.display);
             assert!(
                 !renderer.display(SIZE, Shown::plain(0.0, background)).unwrap(),
@@ -180,7 +180,7 @@ fn tiles_make_the_same_picture_and_one_that_is_given_up_leaves_the_former_displa
             assert!(!renderer.has_picture());
         }
         renderer
-            .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(1.0, background)), &mut |_| true)
+            .draw(&PictureRequest::one_sample(&view, SIZE, Shown::plain(1.0, background)), &Task::silent())
             .unwrap();
         assert!(renderer.display(SIZE, Shown::plain(2.0, background)).unwrap());
         let brighter = whole.render_plain(&view, 2.0, background).unwrap();
@@ -197,7 +197,7 @@ fn a_smaller_picture_lies_in_the_corner_and_another_size_is_another_picture() {
         let expected = renderer(device, &scene, small).render_plain(&view, 0.0, DVec3::ZERO).unwrap();
         let mut renderer = renderer(device, &scene, SIZE);
         renderer
-            .draw(&PictureRequest::one_sample(&view, small, Shown::plain(0.0, DVec3::ZERO)), &mut |_| true)
+            .draw(&PictureRequest::one_sample(&view, small, Shown::plain(0.0, DVec3::ZERO)), &Task::silent())
             .unwrap();
         let shown = renderer.read_back().unwrap();
         for y in 0..small[1] as usize {

@@ -8,6 +8,7 @@ use crate::memory;
 use crate::optics::coherence::Coherence;
 use crate::surface::HeightField;
 use glam::DVec3;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
@@ -26,8 +27,10 @@ pub struct Spectra<'a> {
     y: TransformAxis,
     /// `[f_x][f_y][term]`, f_x from −`GUARD` bins, f_y from −(bins + `GUARD`): Re, Im in µm².
     texels: Vec<f64>,
-    /// Numbers in a texel: two for each term; the number of terms is even.
+    /// Numbers in a texel: two for each term; the number of terms is even, so that four fill whole registers.
     stride: usize,
+    /// Registers of this machine.
+    arch: Arch,
     /// Band limit of the samples along x and y \[µm⁻¹\].
     band: [f64; 2],
 }
@@ -67,8 +70,16 @@ impl<'a> Spectra<'a> {
         let samples = field.heights().len() * basis.terms();
         let numbers = columns * rows * stride + y.samples * columns * 4 + samples;
         memory::ensure_room(numbers as u64 * 8, "the spectra of the reference")?;
-        let mut spectra =
-            Self { basis, kernel, x, y, texels: vec![0.0; columns * rows * stride], stride, band };
+        let mut spectra = Self {
+            basis,
+            kernel,
+            x,
+            y,
+            texels: vec![0.0; columns * rows * stride],
+            stride,
+            arch: Arch::new(),
+            band,
+        };
         spectra.fill(field);
         Ok(spectra)
     }
@@ -206,40 +217,56 @@ impl<'a> Spectra<'a> {
         let column = left as usize + 1;
         let row = (below as i64 + self.y.bins as i64 + 1) as usize;
         let begin = |tap: usize| ((column + tap) * rows + row) * self.stride;
-        let lines: [&[f64]; TAPS] =
-            std::array::from_fn(|tap| &self.texels[begin(tap)..][..TAPS * self.stride]);
-        let mut term = 0;
-        while self.stride - term >= 16 {
-            block::<16>(&lines, &wx, &wy, self.stride, term, sums);
-            term += 16;
-        }
-        if self.stride - term >= 8 {
-            block::<8>(&lines, &wx, &wy, self.stride, term, sums);
-            term += 8;
-        }
-        if term < self.stride {
-            block::<4>(&lines, &wx, &wy, self.stride, term, sums);
+        let lines = std::array::from_fn(|tap| &self.texels[begin(tap)..][..TAPS * self.stride]);
+        self.arch.dispatch(TapSums { lines, weights: [wx, wy], stride: self.stride, sums });
+    }
+}
+
+/// Sums of the texels about a place, with the weights of their columns and rows.
+struct TapSums<'a> {
+    /// Texels of each column.
+    lines: [&'a [f64]; TAPS],
+    weights: [[f64; TAPS]; 2],
+    stride: usize,
+    sums: &'a mut [f64],
+}
+
+impl WithSimd for TapSums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let mut first = 0;
+        for width in [8, 4, 2, 1] {
+            while self.stride - first >= width * S::F64_LANES {
+                match width {
+                    8 => self.sum::<S, 8>(simd, first),
+                    4 => self.sum::<S, 4>(simd, first),
+                    2 => self.sum::<S, 2>(simd, first),
+                    _ => self.sum::<S, 1>(simd, first),
+                }
+                first += width * S::F64_LANES;
+            }
         }
     }
 }
 
-/// Sums W numbers from `term` on over all taps with their weights, in registers.
-fn block<const W: usize>(
-    lines: &[&[f64]; TAPS],
-    wx: &[f64; TAPS],
-    wy: &[f64; TAPS],
-    stride: usize,
-    term: usize,
-    sums: &mut [f64],
-) {
-    let mut total = [0.0; W];
-    for (line, wx) in lines.iter().zip(wx) {
-        for (texel, wy) in line.chunks_exact(stride).zip(wy) {
-            let weight = wx * wy;
-            for (total, value) in total.iter_mut().zip(&texel[term..term + W]) {
-                *total += weight * value;
+impl TapSums<'_> {
+    /// Sums N registers of every texel, from its number `first` on.
+    #[inline(always)]
+    fn sum<S: Simd, const N: usize>(&mut self, simd: S, first: usize) {
+        let [wx, wy] = &self.weights;
+        let mut totals = [simd.splat_f64s(0.0); N];
+        for (column, line) in self.lines.iter().enumerate() {
+            for (row, wy) in wy.iter().enumerate() {
+                let weight = simd.splat_f64s(wx[column] * wy);
+                let (texel, _) = S::as_simd_f64s(&line[row * self.stride + first..][..N * S::F64_LANES]);
+                for lane in 0..N {
+                    totals[lane] = simd.mul_add_e_f64s(texel[lane], weight, totals[lane]);
+                }
             }
         }
+        let (sums, _) = S::as_mut_simd_f64s(&mut self.sums[first..][..N * S::F64_LANES]);
+        sums.copy_from_slice(&totals);
     }
-    sums[term..term + W].copy_from_slice(&total);
 }

@@ -63,42 +63,38 @@ impl Renderer {
     /// Draws the next samples of `request` and displays the mean so far: the first ones of another picture than the
     /// last, or those after the samples that are summed already. Once all are summed, only the display is drawn.
     ///
-    /// Draws in pieces of about 15 milliseconds, between which other work gets the device. Calls `go_on` before each
-    /// piece with the fraction of these samples that is submitted. If it returns false, nothing is added, the former
-    /// display stays, the result is `None`, and the next call draws the same samples.
+    /// Draws in pieces of about 15 milliseconds, between which other work gets the device, and reports to `task` before
+    /// each piece. If the task is cancelled, nothing is added, the former display stays, and the next call draws the same
+    /// samples.
     ///
     /// # Errors
-    /// Fails if the device is lost or out of memory for the sum.
-    pub fn draw(
-        &mut self,
-        request: &PictureRequest<'_>,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<PictureProgress>> {
+    /// Fails if the device is lost or out of memory for the sum, or if the task is cancelled.
+    pub fn draw(&mut self, request: &PictureRequest<'_>, task: &Task) -> Result<PictureProgress> {
         let PictureRequest { view, sampling, size, shown } = *request;
         if sampling.count <= 1 {
             let passes = self.shadings.bounded(all_lights(view.light_count(), sampling.sample(0)));
             let drawn = DrawRequest { view, size, passes: &passes };
-            let times = self.draw_tiles(drawn, FinalStep::Display(shown), go_on)?;
-            return Ok(times.map(|times| PictureProgress { samples: 1, milliseconds: times.total() }));
+            let times = self.draw_tiles(drawn, FinalStep::Display(shown), task)?;
+            return Ok(PictureProgress { samples: 1, milliseconds: times.total() });
         }
         let before = self.samples_of(view, &sampling, size);
         if before >= sampling.count {
             self.shows = Content::Mean;
             self.display(size, shown)?;
-            return Ok(Some(PictureProgress { samples: before, milliseconds: 0.0 }));
+            return Ok(PictureProgress { samples: before, milliseconds: 0.0 });
         }
         let group = view.schedule(&sampling).after(before);
-        self.add(request, &group, Some(shown), go_on)
+        self.add(request, &group, Some(shown), task)
     }
 
-    /// Draws all samples of `view`, displays them with the settings `shown` and reads the picture back. Calls
-    /// `progress` with the number of samples done; an error it returns ends the picture.
+    /// Draws all samples of `view`, displays them with the settings `shown` and reads the picture back. Reports the number
+    /// of samples done to `task`.
     ///
     /// # Errors
     /// Fails if the device is lost or out of memory for the sum, or if the task is cancelled.
     pub fn render(&mut self, view: &View, sampling: &Sampling, shown: Shown, task: &Task) -> Result<Picture> {
         if sampling.count <= 1 {
-            self.draw_sample(view, &sampling.sample(0), shown)?;
+            self.draw_one(view, &sampling.sample(0), shown, &task.unseen())?;
             task.report("samples", 1, 1)?;
             return self.read_back();
         }
@@ -108,7 +104,7 @@ impl Renderer {
         let mut before = 0;
         for group in schedule.groups() {
             let shown = Some(shown).filter(|_| before + group.samples >= sampling.count);
-            self.add(&request, &group, shown, &mut |_| true)?;
+            self.add(&request, &group, shown, &task.unseen())?;
             before += group.samples;
             task.report("samples", before as usize, sampling.count as usize)?;
         }
@@ -120,9 +116,14 @@ impl Renderer {
     /// # Errors
     /// Fails if the device is lost.
     pub fn draw_sample(&mut self, view: &View, sample: &Sample, shown: Shown) -> Result<()> {
+        self.draw_one(view, sample, shown, &Task::silent())
+    }
+
+    /// Draws as [`Self::draw_sample`]; `task` may cancel it.
+    fn draw_one(&mut self, view: &View, sample: &Sample, shown: Shown, task: &Task) -> Result<()> {
         let passes = self.shadings.bounded(all_lights(view.light_count(), *sample));
         let drawn = DrawRequest { view, size: self.target.size(), passes: &passes };
-        self.draw_tiles(drawn, FinalStep::Display(shown), &mut |_| true)?;
+        self.draw_tiles(drawn, FinalStep::Display(shown), task)?;
         Ok(())
     }
 
@@ -149,8 +150,8 @@ impl Renderer {
         request: &PictureRequest<'_>,
         group: &SampleGroup,
         shown: Option<Shown>,
-        go_on: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Option<PictureProgress>> {
+        task: &Task,
+    ) -> Result<PictureProgress> {
         let PictureRequest { view, sampling, size, .. } = *request;
         if self.accumulation.is_none() {
             self.accumulation = Some(Accumulation::new(&self.device, &self.target)?);
@@ -167,13 +168,13 @@ impl Renderer {
         }
         let drawn = DrawRequest { view, size, passes: &passes };
         let finish = FinalStep::Add { before, samples: group.samples, shown };
-        let Some(times) = self.draw_tiles(drawn, finish, go_on)? else { return Ok(None) };
+        let times = self.draw_tiles(drawn, finish, task)?;
         let samples = before + group.samples;
         match &mut self.summed {
             Some(summed) => summed.samples = samples,
             none => *none = Some(Summed { view: view.clone(), sampling, size, samples }),
         }
-        Ok(Some(PictureProgress { samples, milliseconds: times.total() }))
+        Ok(PictureProgress { samples, milliseconds: times.total() })
     }
 
     /// Returns the number of samples of `view` by `sampling` with `size` pixels in the sum.
