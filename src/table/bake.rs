@@ -290,7 +290,7 @@ fn texels(values: &[f32], side: usize, layers: usize, unit: f64) -> Vec<f16> {
                 Some(row) => Vec4::from_slice(&values[(row * side + column) * width + layer * PER_TEXEL..]),
                 None => Vec4::ZERO,
             };
-            prefiltered([row.checked_sub(1), Some(row), Some(row + 1)].map(texel))
+            prefiltered([texel(row.checked_sub(1)), texel(Some(row)), texel(Some(row + 1))])
         };
         let mut along_y = [Vec4::ZERO, at(Some(0)), at(Some(1))];
         for (column, out) in out.chunks_exact_mut(PER_TEXEL).enumerate() {

@@ -153,14 +153,14 @@ fn a_table_averages_over_a_pixel_as_the_reference_of_the_mean_does() {
     // Orders of blue light are a seventh of a pixel wide.
     let ask = |method: &str| {
         let words =
-            ["--size", "64x64", "--coherence", "gaussian:48um", "--method", method, "--tolerance", "1e-2"];
+            ["--size", "32x32", "--coherence", "gaussian:24um", "--method", method, "--tolerance", "1e-2"];
         map_by(&sandbox, "blaze", "30,0", &words)
     };
     let (table, reference) = (ask("table"), ask("reference"));
     let apart = deviation(&table, &reference);
     // One sample of few orders through the taps of a footprint errs by as much.
     assert!(apart < 5e-2, "{apart}");
-    assert!(energy(&reference, |_| true) > 1e-2, "there is something to see");
+    assert!(energy(&reference, |_| true) > 2.5e-3, "there is something to see");
 }
 
 #[test]
@@ -380,7 +380,7 @@ fn compare_tells_methods_apart_from_equal_ones() {
     let deviation = |pair: &str| -> f64 {
         let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.png"];
         // Bases are of one window.
-        let more = ["--compare", pair, "--windows", "1x1", "--coherence", "gaussian:8um", "--size", "32x32"];
+        let more = ["--compare", pair, "--windows", "1x1", "--coherence", "gaussian:8um", "--size", "16x16"];
         let outcome = sandbox.run2(&start, &more);
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         let line = outcome.stderr.lines().last().unwrap_or_default().to_owned();

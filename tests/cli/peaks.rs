@@ -198,7 +198,7 @@ fn the_mean_over_all_windows_has_the_standard_error_of_some_of_them() {
     let spread = |windows: &str| {
         let more = ["--wavelengths", "500:600:100", "--coherence", "gaussian:32um", "--json", "p.json"];
         let more = [&more[..], &["--windows", windows]].concat();
-        let outcome = peaks(&sandbox, "elaphe", "-75", "20:40:0.2", &more);
+        let outcome = peaks(&sandbox, "elaphe", "-75", "20:40:0.5", &more);
         assert!(outcome.code == Some(0) && outcome.stderr.contains("95 % within"), "{outcome:?}");
         let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
         (said(&outcome).len(), json)

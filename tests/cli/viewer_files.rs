@@ -7,12 +7,12 @@ const CONTROL: u32 = 0xffe3;
 const RETURN: u32 = 0xff0d;
 const PAGE_UP: u32 = 0xff55;
 const PAGE_DOWN: u32 = 0xff56;
-const SIZE: [&str; 2] = ["--size", "900x700"];
+const SIZE: [&str; 2] = ["--size", "600x700"];
 
 #[test]
 fn a_saved_scene_is_the_picture_for_render_and_for_another_window() {
     let viewer = Viewer::open(&[&["sphere"][..], &SIZE].concat());
-    viewer.display.drag(1, [200, 300], [260, 340]);
+    viewer.display.drag(1, [110, 300], [150, 330]);
     viewer.display.key('+'.into(), &[]);
     viewer.choose("tone mapping", "neutral");
     let (picture, command, _) = viewer.save(&[]);
