@@ -8,9 +8,9 @@ fn main() -> Result<()> {
     // A grey image: its samples are 100 nm apart, and white stands 200 nm above black. Lengths are micrometres.
     let file = std::env::args().nth(1).unwrap_or("scan.png".into());
     let scale = ReadSettings::new().with_pixel_size([0.1, 0.1]).with_height(0.2);
-    let field = HeightField::read(file, &scale)?;
-    // The mean that a pixel sees in sunlight, for a refractive index of 1.5.
     let task = Task::silent();
+    let field = HeightField::read(file, &scale, &task)?;
+    // The mean that a pixel sees in sunlight, for a refractive index of 1.5.
     let surface = SurfaceBrdf::new(&field, &Optics::new().by_reference(), &task)?;
     // Light 30° from the normal; the viewer on the other side, 13° from it.
     let pair = [direction(30.0, 0.0), direction(13.0, 180.0)];

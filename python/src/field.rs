@@ -69,12 +69,12 @@ impl CoreField {
         height: Option<f64>,
         context: &CoreContext,
     ) -> PyResult<Self> {
-        let read = work::run(py, context, None, move |_, _| {
+        let read = work::run(py, context, None, move |_, task| {
             let mut settings = ReadSettings::new();
             settings.channel = channel.as_deref();
             settings.pixel_size = pixel_size.map(|sizes| sizes.map(micrometres));
             settings.height = height.map(micrometres);
-            inside::read(&path, &settings)
+            inside::read(&path, &settings, task)
         })?;
         Self::told(py, read)
     }

@@ -57,8 +57,8 @@ pub struct ReadField {
 }
 
 /// Reads the file `path`.
-pub fn read(path: &Path, settings: &ReadSettings<'_>) -> Result<ReadField> {
-    let heights = files::read(path, settings)?;
+pub fn read(path: &Path, settings: &ReadSettings<'_>, task: &Task) -> Result<ReadField> {
+    let heights = files::read(path, settings, task)?;
     let origin = Origin::of(path.as_os_str().to_owned(), &heights);
     let warnings = heights.origin().map(|origin| origin.warnings.clone()).unwrap_or_default();
     Ok(ReadField { field: heights.into_field().map_err(|e| e.at(path.display()))?, origin, warnings })

@@ -40,7 +40,7 @@ impl HeightField {
         synth::generate(settings)
     }
 
-    /// Reads the file `path`, or makes the built-in surface of that name, as the command line does.
+    /// Reads the file `path`, or makes the built-in surface of that name, as the command line does. Use [`Self::read`] to see progress and cancel.
     ///
     /// # Errors
     /// See [`Self::read`] and [`Self::generate`].
@@ -197,7 +197,7 @@ mod tests {
         let path = folder.path().join("a.npy");
         made.save(&path).unwrap();
         let settings = ReadSettings::new().with_pixel_size(made.pixel_size());
-        let read = HeightField::read(&path, &settings).unwrap();
+        let read = HeightField::read(&path, &settings, &Task::silent()).unwrap();
         assert!(read.heights().iter().zip(made.heights()).all(|(a, b)| (a - b).abs() < 1e-12));
         assert!(made.save(folder.path().join("a.jpg")).is_err());
         let ridges = Spec::new(SurfaceKind::Lamellar).with_ridges(0.3, 0.0).with_height(0.1);

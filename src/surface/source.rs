@@ -68,14 +68,14 @@ impl SurfaceSource {
     /// # Errors
     /// A name that is neither, a file that is no scan, a file without units, a step that cannot be done, a task that is cancelled.
     pub fn load(&self, task: &Task) -> Result<HeightField> {
-        self.prepare(self.read()?.into_field()?, task)
+        self.prepare(self.read(task)?.into_field()?, task)
     }
 
     /// Reads the file or makes the built-in surface; applies no step.
     ///
     /// # Errors
     /// See [`SurfaceSource::load`].
-    pub fn read(&self) -> Result<Topography> {
+    pub fn read(&self, task: &Task) -> Result<Topography> {
         let (pixel_size, height) = (self.pixel_size, self.height);
         match self.kind() {
             Some(kind) => {
@@ -83,7 +83,8 @@ impl SurfaceSource {
                 synth::generate(&spec).map(Topography::of)
             }
             None => {
-                from_file(&self.name, &ReadSettings { pixel_size, height, channel: self.channel.as_deref() })
+                let settings = ReadSettings { pixel_size, height, channel: self.channel.as_deref() };
+                from_file(&self.name, &settings, task)
             }
         }
     }
@@ -102,7 +103,7 @@ impl SurfaceSource {
     }
 }
 
-fn from_file(name: &OsStr, settings: &ReadSettings) -> Result<Topography> {
+fn from_file(name: &OsStr, settings: &ReadSettings, task: &Task) -> Result<Topography> {
     let path = Path::new(name);
     if path.extension().is_none() && !path.exists() {
         let known = SurfaceKind::ALL.map(SurfaceKind::name).join(", ");
@@ -111,7 +112,7 @@ fn from_file(name: &OsStr, settings: &ReadSettings) -> Result<Topography> {
             format!("give {}, or one of {known}", files::known()),
         ));
     }
-    files::read(path, settings)
+    files::read(path, settings, task)
 }
 
 #[cfg(test)]

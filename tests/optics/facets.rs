@@ -8,6 +8,7 @@ use diffract::internals::optics::reference::Reference;
 use diffract::internals::surface::HeightField;
 use diffract::internals::surface::files::{self, ReadSettings, image};
 use diffract::internals::surface::synth::{Spec, SurfaceKind, generate};
+use diffract::internals::task::Task;
 use glam::{DVec2, DVec3};
 
 /// 100 × 100 samples, close enough for |u| ≤ 2 at [`WAVELENGTH`].
@@ -85,7 +86,7 @@ fn the_facet_check_fails_for_every_flip() {
 /// The height image at `path`, whose largest code means `full_height` \[µm\].
 fn read(path: &std::path::Path, full_height: f64) -> HeightField {
     let settings = ReadSettings::new().with_pixel_size([PIXEL; 2]).with_height(full_height);
-    files::read(path, &settings).unwrap().into_field().unwrap()
+    files::read(path, &settings, &Task::silent()).unwrap().into_field().unwrap()
 }
 
 #[test]

@@ -74,7 +74,7 @@ impl SurfaceOptions {
 
     /// Reads the heights of `source` without preparation; prints the warnings about them.
     pub fn read(&self, source: &SurfaceSource, console: &Console) -> Result<Topography> {
-        let scan = source.read()?;
+        let scan = source.read(&surface_task(console))?;
         let warnings = match scan.origin() {
             Some(origin) => origin.warnings.clone(),
             // A generated surface is as high and as wide as asked.

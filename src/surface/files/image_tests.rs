@@ -1,6 +1,7 @@
 use super::super::{ReadSettings, read as read_file};
 use super::*;
 use crate::error::Remedy;
+use crate::task::Task;
 use ::image::{self, GrayImage, ImageBuffer, Luma, RgbImage, Rgba};
 use std::fs;
 use std::path::PathBuf;
@@ -10,8 +11,12 @@ const PIXEL: [f64; 2] = [0.1, 0.1];
 
 /// Reads the image at `path` as a height field.
 fn read(path: &Path, pixel_size: [f64; 2], full_height: f64) -> Result<HeightField> {
-    read_file(path, &ReadSettings { pixel_size: Some(pixel_size), height: Some(full_height), channel: None })?
-        .into_field()
+    read_file(
+        path,
+        &ReadSettings { pixel_size: Some(pixel_size), height: Some(full_height), channel: None },
+        &Task::silent(),
+    )?
+    .into_field()
 }
 
 fn folder() -> TempDir {
@@ -255,12 +260,12 @@ fn float_samples_are_heights_and_wide_integers_are_codes() {
     let data = [0.5e-6_f32.to_le_bytes(), 1.0e-6_f32.to_le_bytes()].concat();
     let settings = ReadSettings { pixel_size: Some(PIXEL), height: None, channel: None };
     let float = file(&folder, "float.tif", &tiff(2, 1, 32, 3, &data));
-    let heights = read_file(&float, &settings).unwrap().into_field().unwrap();
+    let heights = read_file(&float, &settings, &Task::silent()).unwrap().into_field().unwrap();
     assert!((heights.heights()[0] - 0.5).abs() < 1e-7 && (heights.heights()[1] - 1.0).abs() < 1e-7);
     let codes = [0_u32.to_le_bytes(), u32::MAX.to_le_bytes()].concat();
     let long = file(&folder, "long.tif", &tiff(2, 1, 32, 1, &codes));
     assert_eq!(read(&long, PIXEL, 0.5).unwrap().heights(), [0.0, 0.5]);
-    assert_eq!(read_file(&long, &settings).unwrap_err().remedies(), [Remedy::FullHeight]);
+    assert_eq!(read_file(&long, &settings, &Task::silent()).unwrap_err().remedies(), [Remedy::FullHeight]);
 }
 
 #[test]

@@ -55,6 +55,7 @@ pub mod zygo_xyz;
 
 use super::HeightField;
 use crate::error::{self, Error, Remedy, Result};
+use crate::task::{READING, Task};
 use crate::{input, memory};
 use format::Format;
 use plausible::HeightSource;
@@ -86,11 +87,15 @@ pub struct ReadSettings<'a> {
 ///
 /// # Errors
 /// A file that is missing, not regular, too large, of no known format or damaged; a channel that is not there; no scale in the
-/// file, beside it or in `settings`.
-pub fn read(path: &Path, settings: &ReadSettings) -> Result<Topography> {
-    let bytes = load(path)?;
+/// file, beside it or in `settings`; a task that is cancelled: between parts of the file, and between the steps of its format.
+pub fn read(path: &Path, settings: &ReadSettings, task: &Task) -> Result<Topography> {
+    let bytes = load(path, task)?;
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    let read = || assemble(recognise(&bytes, &extension)?, settings, || Sidecar::beside(path));
+    let read = || {
+        let scan = recognise(&bytes, &extension)?;
+        task.check()?;
+        assemble(scan, settings, task, || Sidecar::beside(path))
+    };
     read().map_err(|e| e.at(path.display()))
 }
 
@@ -99,8 +104,8 @@ impl HeightField {
     ///
     /// # Errors
     /// See [`read`].
-    pub fn read(path: impl AsRef<Path>, settings: &ReadSettings) -> Result<Self> {
-        read(path.as_ref(), settings)?.into_field()
+    pub fn read(path: impl AsRef<Path>, settings: &ReadSettings, task: &Task) -> Result<Self> {
+        read(path.as_ref(), settings, task)?.into_field()
     }
 }
 
@@ -169,11 +174,13 @@ pub fn known() -> String {
 /// # Errors
 /// See [`read`].
 pub fn from_bytes(bytes: &[u8], extension: &str, settings: &ReadSettings) -> Result<Topography> {
-    assemble(recognise(bytes, extension)?, settings, || Ok(Sidecar::default()))
+    assemble(recognise(bytes, extension)?, settings, &Task::silent(), || Ok(Sidecar::default()))
 }
 
-/// Reads all of a file.
-fn load(path: &Path) -> Result<Vec<u8>> {
+/// Reads all of a file, part by part.
+fn load(path: &Path, task: &Task) -> Result<Vec<u8>> {
+    /// Bytes between two reports: some milliseconds from a disk.
+    const PART: u64 = 16 << 20;
     let file = input::open(path, &known(), MAX_FILE)?;
     let at = |e: Error| e.at(path.display());
     let length = file.metadata().map_or(0, |m| m.len());
@@ -183,10 +190,17 @@ fn load(path: &Path) -> Result<Vec<u8>> {
     memory::ensure_room(length, "the file").map_err(at)?;
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     // The file may grow while it is read, so the limit applies to the read bytes as well.
-    file.take(MAX_FILE).read_to_end(&mut bytes).map_err(|e| {
-        at(Error::files(format!("cannot be read: {}", error::cause(&e)), "check the disk").caused_by(e))
-    })?;
-    Ok(bytes)
+    let mut file = file.take(MAX_FILE);
+    loop {
+        let done = bytes.len();
+        task.report(READING, done, (length as usize).max(done))?;
+        let read = file.by_ref().take(PART).read_to_end(&mut bytes).map_err(|e| {
+            at(Error::files(format!("cannot be read: {}", error::cause(&e)), "check the disk").caused_by(e))
+        })?;
+        if read == 0 {
+            return Ok(bytes);
+        }
+    }
 }
 
 /// Reads `bytes` in the format of their content, or else in that of the `extension` of the file's name. Channels of the same name are
@@ -218,6 +232,7 @@ pub fn recognise<'a>(bytes: &'a [u8], extension: &str) -> Result<Scan<'a>> {
 fn assemble(
     mut scan: Scan,
     settings: &ReadSettings,
+    task: &Task,
     sidecar: impl FnOnce() -> Result<Sidecar>,
 ) -> Result<Topography> {
     if let Some(height) = settings.height.filter(|h| !h.is_finite() || *h < 0.0) {
@@ -261,6 +276,7 @@ fn assemble(
     let coded = matches!(quantity, Quantity::Code { .. });
     let code_height = if coded { height.ok_or_else(needed)? } else { 0.0 };
     let samples = channel.samples()?;
+    task.check()?;
     if let Quantity::Code { largest } = quantity {
         notes.extend(plausible::narrow_codes(&samples, largest));
     }

@@ -114,12 +114,18 @@ fn a_sidecar_gives_what_the_file_does_not_and_options_win() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.txt");
     fs::write(&path, "1e-9 2e-9\n3e-9 4e-9\n").unwrap();
-    assert!(read(&path, &ReadSettings::default()).is_err());
+    assert!(read(&path, &ReadSettings::default(), &Task::silent()).is_err());
     fs::write(folder.path().join("scan.toml"), "pixel_size = \"20nm\"\n").unwrap();
-    assert!((read(&path, &ReadSettings::default()).unwrap().spacing()[0] - 20e-9).abs() < 1e-22);
-    assert!((read(&path, &settings(PIXEL, None)).unwrap().spacing()[0] - 10e-9).abs() < 1e-22);
+    assert!(
+        (read(&path, &ReadSettings::default(), &Task::silent()).unwrap().spacing()[0] - 20e-9).abs() < 1e-22
+    );
+    assert!(
+        (read(&path, &settings(PIXEL, None), &Task::silent()).unwrap().spacing()[0] - 10e-9).abs() < 1e-22
+    );
     fs::write(folder.path().join("scan.toml"), "pixel_size = \"20\"\n").unwrap();
-    assert!(read(&path, &ReadSettings::default()).unwrap_err().to_string().contains("scan.toml"));
+    assert!(
+        read(&path, &ReadSettings::default(), &Task::silent()).unwrap_err().to_string().contains("scan.toml")
+    );
 }
 
 #[cfg(unix)]
@@ -129,7 +135,7 @@ fn names_that_are_not_utf_8_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(std::ffi::OsStr::from_bytes(b"sc\xffan.txt"));
     fs::write(&path, "1e-9 2e-9\n").unwrap();
-    assert_eq!(read(&path, &settings(PIXEL, None)).unwrap().size(), [2, 1]);
+    assert_eq!(read(&path, &settings(PIXEL, None), &Task::silent()).unwrap().size(), [2, 1]);
 }
 
 /// Reads or refuses every file of the folder `DIFFRACT_SCANS`, if it is set.
@@ -138,9 +144,28 @@ fn scans_of_a_folder_are_read_where_one_is_named() {
     let Some(folder) = std::env::var_os("DIFFRACT_SCANS") else { return };
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match read(&path, &settings(PIXEL, Some(0.1))) {
+        match read(&path, &settings(PIXEL, Some(0.1)), &Task::silent()) {
             Ok(scan) => assert!(scan.summary().rms.is_finite(), "{}", path.display()),
             Err(e) => assert!(e.to_string().contains("; "), "{}: {e}", path.display()),
         }
+    }
+}
+
+#[test]
+fn reading_is_told_part_by_part_and_ends_where_it_is_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("field.npy");
+    // 36 MB: three parts, and the end.
+    let field = HeightField::from_fn(3000, 1500, [0.1; 2], |x, y| x.sin() * y.cos()).unwrap();
+    field.save(&path).unwrap();
+    let settings = ReadSettings { pixel_size: Some([0.1; 2]), ..ReadSettings::default() };
+    let (all, reports) = Task::cancelled_at(usize::MAX);
+    assert_eq!(read(&path, &settings, &all).unwrap().size(), [3000, 1500]);
+    let parts = reports.load(std::sync::atomic::Ordering::Relaxed);
+    assert_eq!(parts, 4);
+    for last in 1..=parts {
+        let (task, reports) = Task::cancelled_at(last);
+        assert!(read(&path, &settings, &task).is_err_and(|e| e.is_cancelled()), "{last}");
+        assert_eq!(reports.load(std::sync::atomic::Ordering::Relaxed), last);
     }
 }
