@@ -64,8 +64,29 @@ pub struct PaddedAxis {
     pub bins: usize,
     /// Samples within the window.
     taps: Vec<WindowTap>,
-    /// Sub-sample shift of the origin: the centre of an even number of samples, for example, lies between two.
-    shift: f64,
+    /// Kept bins, from −`bins` on.
+    kept: Vec<KeptBin>,
+}
+
+/// Bin of the transform that is kept.
+#[derive(Clone, Copy, Debug)]
+struct KeptBin {
+    /// Index in the transform.
+    slot: usize,
+    /// Factor that moves the origin to the window's centre.
+    origin: Complex64,
+}
+
+impl KeptBin {
+    /// Returns the bins from −`bins` to `bins` of a transform of `samples`, whose origin lies `shift` samples from the window's centre: that of
+    /// an even number of samples, for example, lies between two.
+    fn all(bins: usize, samples: usize, shift: f64) -> Vec<Self> {
+        let bin = |k: i64| Self {
+            slot: k.rem_euclid(samples as i64) as usize,
+            origin: Complex64::cis(2.0 * PI * k as f64 * shift / samples as f64),
+        };
+        (-(bins as i64)..=bins as i64).map(bin).collect()
+    }
 }
 
 impl PaddedAxis {
@@ -113,8 +134,8 @@ impl PaddedAxis {
                 }
             })
             .collect();
-        let guard = kernel.map_or(0, Kernel::guard);
-        Self { samples: padded, length, bins: (band * length).ceil() as usize + guard, taps, shift }
+        let bins = (band * length).ceil() as usize + kernel.map_or(0, Kernel::guard);
+        Self { samples: padded, length, bins, taps, kept: KeptBin::all(bins, padded, shift) }
     }
 
     /// Returns the axis of one period of `axis_samples` samples alone, at the bins m/T of the periodic surface's Fourier series, those up to `band`
@@ -131,23 +152,13 @@ impl PaddedAxis {
             })
             .collect();
         let bins = (band * axis_samples.period()).ceil() as usize + beyond;
-        Self { samples: count, length: axis_samples.period(), bins, taps, shift: centre.ceil() - centre }
+        let kept = KeptBin::all(bins, count, centre.ceil() - centre);
+        Self { samples: count, length: axis_samples.period(), bins, taps, kept }
     }
 
     /// Returns the number of bins kept along the whole axis, negative frequencies included.
     pub fn kept(&self) -> usize {
-        2 * self.bins + 1
-    }
-
-    /// Returns the index in the transform of kept bin `k` (frequency k − bins).
-    fn bin(&self, k: usize) -> usize {
-        (k as i64 - self.bins as i64).rem_euclid(self.samples as i64) as usize
-    }
-
-    /// Returns the factor that moves the origin to the window's centre, for kept bin `k`.
-    fn origin_phase(&self, k: usize) -> Complex64 {
-        let bin = k as f64 - self.bins as f64;
-        Complex64::cis(2.0 * PI * bin * self.shift / self.samples as f64)
+        self.kept.len()
     }
 }
 
@@ -298,8 +309,8 @@ impl<'a> Transformer<'a> {
                     buffer[tap.slot] += value(first + tap.patch) * tap.weight;
                 }
                 self.along_x.process_with_scratch(buffer, scratch);
-                for (k, slot) in kept.iter_mut().enumerate() {
-                    *slot = buffer[x.bin(k)] * x.origin_phase(k);
+                for (out, bin) in kept.iter_mut().zip(&x.kept) {
+                    *out = buffer[bin.slot] * bin.origin;
                 }
             },
         );
@@ -322,8 +333,8 @@ impl<'a> Transformer<'a> {
                 }
                 self.along_y.process_with_scratch(&mut buffer[..here * y.samples], scratch);
                 for (c, column) in out.chunks_mut(y.kept()).enumerate() {
-                    for (k, slot) in column.iter_mut().enumerate() {
-                        *slot = buffer[c * y.samples + y.bin(k)] * y.origin_phase(k);
+                    for (out, bin) in column.iter_mut().zip(&y.kept) {
+                        *out = buffer[c * y.samples + bin.slot] * bin.origin;
                     }
                 }
             },

@@ -59,6 +59,8 @@ pub struct Transform<'a> {
     beyond: Beyond,
     // Square root of the taper's share of each column and row; their squares have a mean of 1.
     taper: [Vec<f64>; 2],
+    // Transform of the taper along x, at the kept columns.
+    taper_spectrum: Vec<Complex64>,
     middle: f64,
     along_x: Arc<dyn Fft<f64>>,
     along_y: Arc<dyn Fft<f64>>,
@@ -73,17 +75,15 @@ impl<'a> Transform<'a> {
             Beyond::Copies => vec![1.0; n],
             Beyond::Alike => hann(n),
         });
-        Self {
-            field,
-            grid,
-            beyond,
-            taper,
-            middle: 0.5 * (low + high),
-            // Frequencies are those of ω_i + ω_r and z is positive, so that the sum is over e^{izh} e^{2πi f·x}. Along y rows run downward,
-            // so that the sign turns.
-            along_x: planner.plan_fft_inverse(field.columns()),
-            along_y: planner.plan_fft_forward(field.rows()),
-        }
+        // Frequencies are those of ω_i + ω_r and z is positive, so that the sum is over e^{izh} e^{2πi f·x}. Along y rows run downward,
+        // so that the sign turns.
+        let (along_x, along_y) =
+            (planner.plan_fft_inverse(field.columns()), planner.plan_fft_forward(field.rows()));
+        let mut spectrum: Vec<_> = taper[0].iter().copied().map(Complex64::from).collect();
+        along_x.process(&mut spectrum);
+        let at = |i: usize| spectrum[wrapped(i, grid.origin[0], field.columns())];
+        let taper_spectrum = (0..grid.size[0]).map(at).collect();
+        Self { field, grid, beyond, taper, taper_spectrum, middle: 0.5 * (low + high), along_x, along_y }
     }
 
     /// Returns the height field.
@@ -105,47 +105,43 @@ impl<'a> Transform<'a> {
         memory::ensure_room(bytes as u64, "the transforms of the heights")
     }
 
-    /// Returns the specular amplitude at z \[rad/µm\], the mean of e^{iz(h − middle)} over the taper's power.
-    fn mean(&self, z: f64) -> Complex64 {
-        let rows: Vec<Complex64> = (0..self.field.rows())
-            .into_par_iter()
-            .map(|row| {
-                let weigh = self.taper[1][row].powi(2);
-                let heights = self.field.row(row).iter().zip(&self.taper[0]);
-                heights.map(|(h, t)| Complex64::cis(z * (h - self.middle)) * (t * t)).sum::<Complex64>()
-                    * weigh
-            })
-            .collect();
-        rows.iter().sum::<Complex64>() / (self.field.columns() * self.field.rows()) as f64
-    }
-
     /// Returns the powers at z \[rad/µm\].
     pub fn at(&self, z: f64) -> OrderPowers {
         let (columns, rows) = (self.field.columns(), self.field.rows());
         let [kept_x, kept_y] = self.grid.size;
-        let mean = self.mean(z);
-        let offset = if self.beyond == Beyond::Alike { mean } else { Complex64::ZERO };
-        // Row transforms, the kept columns alone.
+        // Row transforms, the kept columns alone, and the sums of e^{iz(h − middle)} over the taper's power in each row.
         let mut half: Vec<Complex64> = vec![Complex64::ZERO; rows * kept_x];
-        half.par_chunks_mut(kept_x).enumerate().for_each_init(
-            || vec![Complex64::ZERO; columns],
-            |buffer, (row, kept)| {
-                let weigh = self.taper[1][row];
-                let source = self.field.row(row).iter().zip(&self.taper[0]);
-                for (slot, (h, t)) in buffer.iter_mut().zip(source) {
-                    *slot = (Complex64::cis(z * (h - self.middle)) - offset) * (t * weigh);
-                }
-                self.along_x.process(buffer);
-                for (i, slot) in kept.iter_mut().enumerate() {
-                    *slot = buffer[wrapped(i, self.grid.origin[0], columns)];
-                }
-            },
-        );
+        let row_sums: Vec<Complex64> = half
+            .par_chunks_mut(kept_x)
+            .enumerate()
+            .map_init(
+                || vec![Complex64::ZERO; columns],
+                |buffer, (row, kept)| {
+                    let (weigh, mut sum) = (self.taper[1][row], Complex64::ZERO);
+                    let source = self.field.row(row).iter().zip(&self.taper[0]);
+                    for (slot, (h, t)) in buffer.iter_mut().zip(source) {
+                        let wave = Complex64::cis(z * (h - self.middle));
+                        sum += wave * (t * t);
+                        *slot = wave * (t * weigh);
+                    }
+                    self.along_x.process(buffer);
+                    for (i, slot) in kept.iter_mut().enumerate() {
+                        *slot = buffer[wrapped(i, self.grid.origin[0], columns)];
+                    }
+                    sum * (weigh * weigh)
+                },
+            )
+            .collect();
         let norm = 1.0 / (columns * rows) as f64;
+        // The specular amplitude, which is left out of a surface that goes on alike.
+        let mean = row_sums.iter().sum::<Complex64>() * norm;
+        let offset = if self.beyond == Beyond::Alike { mean } else { Complex64::ZERO };
         let columns_done: Vec<Vec<f64>> = (0..kept_x)
             .into_par_iter()
             .map(|column| {
-                let mut buffer: Vec<Complex64> = (0..rows).map(|row| half[row * kept_x + column]).collect();
+                let specular = offset * self.taper_spectrum[column];
+                let row = |(row, weigh): (usize, &f64)| half[row * kept_x + column] - specular * weigh;
+                let mut buffer: Vec<Complex64> = self.taper[1].iter().enumerate().map(row).collect();
                 self.along_y.process(&mut buffer);
                 (0..kept_y)
                     .map(|j| (buffer[wrapped(j, self.grid.origin[1], rows)] * norm).norm_sqr())
