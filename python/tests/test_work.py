@@ -48,7 +48,10 @@ def test_an_error_in_progress_ends_the_work():
 def test_ctrl_c_ends_the_work():
     # Minutes of work, if nothing ends it.
     process = python("""
+        import signal
         import diffract
+        # Shells let what they start behind them ignore the signal.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         context = diffract.Context(cache=False)
         def progress(done, of, stage):
             print("running", flush=True)
