@@ -21,7 +21,7 @@ pub struct Progress {
 
 /// Stage of work that evaluates directions.
 pub const DIRECTIONS: &str = "directions";
-/// Stage of work that reads a file; its parts are bytes.
+/// Stage of work that reads a file; its parts are MiB.
 pub const READING: &str = "reading";
 /// Stage of work that prepares a surface.
 pub const PREPARATION: &str = "preparation";

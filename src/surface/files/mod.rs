@@ -179,6 +179,7 @@ pub fn from_bytes(bytes: &[u8], extension: &str, settings: &ReadSettings) -> Res
 
 /// Reads all of a file, part by part.
 fn load(path: &Path, task: &Task) -> Result<Vec<u8>> {
+    const MIB: usize = 1 << 20;
     /// Bytes between two reports: some milliseconds from a disk.
     const PART: u64 = 16 << 20;
     let file = input::open(path, &known(), MAX_FILE)?;
@@ -193,7 +194,7 @@ fn load(path: &Path, task: &Task) -> Result<Vec<u8>> {
     let mut file = file.take(MAX_FILE);
     loop {
         let done = bytes.len();
-        task.report(READING, done, (length as usize).max(done))?;
+        task.report(READING, done / MIB, (length as usize).max(done).div_ceil(MIB))?;
         let read = file.by_ref().take(PART).read_to_end(&mut bytes).map_err(|e| {
             at(Error::files(format!("cannot be read: {}", error::cause(&e)), "check the disk").caused_by(e))
         })?;
