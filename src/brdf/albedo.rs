@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Name of the work in reports of progress.
 const ENERGY: &str = "energy";
@@ -21,6 +21,9 @@ const ENERGY: &str = "energy";
 /// Number of orders whose series are summed together: a recurrence waits for its last step, and those of other orders fill the wait.
 /// An export of *Elaphe* in gold takes 0.67 of the processor time that it takes with one order at once and roots by polar coordinates.
 const BLOCK: usize = 8;
+
+/// Largest number of directions that are kept, in some 20 MB.
+const MOST_KEPT: usize = 1 << 18;
 
 /// Orders of a surface, or groups of neighbouring ones, with their powers as series in z, and the reflectance of the surface.
 pub struct DirectionalAlbedo {
@@ -35,6 +38,8 @@ pub struct DirectionalAlbedo {
     // Larger groups of the same orders, from which the table is made.
     coarse: Option<Box<Self>>,
     table: OnceLock<ExcessTable>,
+    // E/R by the bits of direction and wavelength, up to MOST_KEPT.
+    kept: Mutex<HashMap<[u64; 4], f64>>,
 }
 
 impl std::fmt::Debug for DirectionalAlbedo {
@@ -77,20 +82,26 @@ impl DirectionalAlbedo {
         Self { coarse, ..Self::grouped(series, reflectance, fine) }
     }
 
-    /// Returns the divisor of the BRDF for each of `pairs` at `wavelength` \[µm\]. Each direction is summed once, in parallel.
+    /// Returns the divisor of the BRDF for each of `pairs` at `wavelength` \[µm\]. Each direction is summed once, in parallel, and kept
+    /// for further windows of the surface, which are asked for the same directions.
     pub fn limits(&self, pairs: &[Pair], wavelength: f64) -> Vec<f64> {
-        let key = |direction: DVec3| direction.to_array().map(f64::to_bits);
-        let distinct: HashMap<_, _> =
-            pairs.iter().flat_map(|pair| [pair.light, pair.view]).map(|d| (key(d), d)).collect();
-        let excess: HashMap<_, _> = distinct
-            .into_par_iter()
-            .map(|(key, direction)| (key, self.excess(direction, wavelength)))
-            .collect();
-        // Each direction is in the map.
-        let of = |direction| {
-            excess.get(&key(direction)).copied().unwrap_or_else(|| self.excess(direction, wavelength))
+        let key = |DVec3 { x, y, z }| [x, y, z, wavelength].map(f64::to_bits);
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut excess: HashMap<_, _> = {
+            let kept = kept();
+            let directions = pairs.iter().flat_map(|pair| [pair.light, pair.view]);
+            directions.map(|d| (key(d), (d, kept.get(&key(d)).copied()))).collect()
         };
-        pairs.iter().map(|pair| of(pair.light).max(of(pair.view)).max(1.0)).collect()
+        excess.par_iter_mut().for_each(|(_, (direction, excess))| {
+            excess.get_or_insert_with(|| self.excess(*direction, wavelength));
+        });
+        // Each direction is in the map.
+        let of = |direction| excess.get(&key(direction)).and_then(|(_, excess)| *excess).unwrap_or(0.0);
+        let limits = pairs.iter().map(|pair| of(pair.light).max(of(pair.view)).max(1.0)).collect();
+        let mut kept = kept();
+        let room = MOST_KEPT.saturating_sub(kept.len());
+        kept.extend(excess.iter().filter_map(|(key, (_, excess))| Some((*key, (*excess)?))).take(room));
+        limits
     }
 
     /// Sums orders into groups of `sizes` along each axis.
@@ -130,6 +141,7 @@ impl DirectionalAlbedo {
             coefficients: blocks.map(|(orders, term)| block_of(orders, term)).collect(),
             coarse: None,
             table: OnceLock::new(),
+            kept: Mutex::default(),
         }
     }
 

@@ -95,7 +95,8 @@ pub fn for_each_window(
         }
     });
     // The reference averages over windows by itself.
-    let grid = settings.optics.windows.grid().filter(|_| settings.optics.method != Method::Reference);
+    let is_apart = settings.windows_apart || settings.optics.method != Method::Reference;
+    let grid = settings.optics.windows.grid().filter(|_| is_apart);
     let [n, m] = grid.unwrap_or([1, 1]);
     let windows = ProgressBar::hidden(console, "windows", "a smaller number of --windows", (n * m) as usize);
     windows.add(0);

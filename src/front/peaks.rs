@@ -56,9 +56,10 @@ pub struct MeasuredPeriod {
     pub mean: Option<f64>,
     /// Standard deviation over the wavelengths; `None` below two.
     pub deviation: Option<f64>,
-    /// Standard error over windows of the surface; `None` if it holds fewer than two that are independent.
+    /// Standard error over windows of the surface; `None` if it holds fewer than two that are independent, 0 if their peaks lie at the same of the
+    /// angles that were asked for.
     pub error: Option<f64>,
-    /// Half the width of the 95 % confidence interval; `None` if fewer than four windows are independent.
+    /// Half the width of the 95 % confidence interval; `None` if the error is 0 or fewer than four windows are independent.
     pub half_interval: Option<f64>,
     /// Number of wavelengths with this period.
     pub wavelengths: usize,

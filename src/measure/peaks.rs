@@ -119,10 +119,10 @@ pub struct WindowSpread {
     pub windows: usize,
     /// Effective number of independent windows.
     pub independent: f64,
-    /// Standard error of the mean period \[µm\].
+    /// Standard error of the mean period \[µm\]; 0 if the windows differ by less than a step of the sweep's angles.
     pub error: f64,
-    /// Half the width of its 95 % confidence interval \[µm\]; `None` if fewer than [`WindowSpread::FEWEST`] windows are
-    /// independent.
+    /// Half the width of its 95 % confidence interval \[µm\]; `None` if the error is 0, or if fewer than
+    /// [`WindowSpread::FEWEST`] windows are independent.
     pub half_interval: Option<f64>,
 }
 
@@ -142,10 +142,13 @@ impl WindowSpread {
         if without.len() < 2 || independent < 2.0 {
             return None;
         }
-        let mean = without.iter().sum::<f64>() / count;
-        let squares: f64 = without.iter().map(|d| (d - mean).powi(2)).sum();
+        // From the first, so that equal ones have an error of exactly 0.
+        let from_first = || without.iter().map(|d| d - without[0]);
+        let mean = from_first().sum::<f64>() / count;
+        let squares: f64 = from_first().map(|d| (d - mean).powi(2)).sum();
         let error = ((count - 1.0) / count * squares * count / independent).sqrt();
-        let half_interval = (independent >= Self::FEWEST).then(|| student_95(independent - 1.0) * error);
+        let has_interval = independent >= Self::FEWEST && error > 0.0;
+        let half_interval = has_interval.then(|| student_95(independent - 1.0) * error);
         Some(Self { windows: without.len(), independent, error, half_interval })
     }
 }
@@ -180,6 +183,12 @@ mod tests {
         let overlapping = WindowSpread::jackknife(&without, 2.5).unwrap();
         assert!((overlapping.error / spread.error - 2f64.sqrt()).abs() < 1e-12);
         assert_eq!(overlapping.half_interval, None);
+        let equal = WindowSpread::jackknife(&[1.1; 5], 5.0).unwrap();
+        assert_eq!(
+            (equal.error, equal.half_interval),
+            (0.0, None),
+            "nothing tells how far they are from the truth"
+        );
         assert_eq!(WindowSpread::jackknife(&without, 1.5), None);
         assert_eq!(WindowSpread::jackknife(&without[..1], 5.0), None);
     }

@@ -36,7 +36,7 @@ impl SweepPlane {
     }
 }
 
-/// Answers the responses of a plane, wavelength by wavelength, of a surface under settings for which it has one BRDF.
+/// Answers the responses of a plane, window by window, if the settings have several, and wavelength by wavelength.
 pub type Answer<'a> = dyn FnMut(&SweepPlane, &Optics, &HeightField) -> Result<Vec<f64>> + 'a;
 
 /// Returns the number of independent windows on `field`; `None` for a finite grating.
@@ -86,7 +86,7 @@ impl AngleSweep {
         Ok(Self { wavelengths, angles, responses })
     }
 
-    /// Returns the sweep through each of n × m windows, which are spread evenly over the patch.
+    /// Returns the sweep through each of n × m windows, for which `answer` answers one by one.
     ///
     /// # Errors
     /// Those of [`Self::through`].
@@ -94,25 +94,25 @@ impl AngleSweep {
         plane: &SweepPlane,
         optics: &Optics,
         field: &HeightField,
-        [n, m]: [u32; 2],
+        counts: [u32; 2],
         answer: &mut Answer<'_>,
     ) -> Result<Vec<Self>> {
-        // Every window's sweep and the mean.
-        let sweeps = u64::from(n) * u64::from(m) + 1;
-        let evaluations = plane.evaluations() as u64;
-        memory::ensure_room(sweeps * evaluations * size_of::<f64>() as u64, "the sweeps of all windows")?;
-        let one = Optics { windows: Windows::ONE, ..optics.clone() };
-        let mut windows = Vec::new();
-        for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
-            // A window elsewhere on the periodic surface is this window on the moved surface. The surface moves by whole samples, which are
-            // far smaller than a window.
-            let samples = |part: u32, of: u32, all: usize| {
-                (f64::from(part) / f64::from(of) * all as f64).round() as usize
-            };
-            let moved = field.moved(samples(i, n, field.columns()), samples(j, m, field.rows()));
-            windows.push(Self::through(plane, &one, &moved, answer)?);
-        }
-        Ok(windows)
+        // The answer, every window's sweep and the mean.
+        let sweeps = 2 * u64::from(counts[0]) * u64::from(counts[1]) + 1;
+        let evaluations = plane.evaluations();
+        memory::ensure_room(
+            sweeps * evaluations as u64 * size_of::<f64>() as u64,
+            "the sweeps of all windows",
+        )?;
+        let optics = Optics { windows: Windows::Grid(counts), ..optics.clone() };
+        let responses = answer(plane, &optics, field)?;
+        let SweepPlane { wavelengths, angles, .. } = plane;
+        let sweep = |responses: &[f64]| Self {
+            wavelengths: wavelengths.clone(),
+            angles: angles.clone(),
+            responses: responses.to_vec(),
+        };
+        Ok(responses.chunks(evaluations).map(sweep).collect())
     }
 
     /// Returns the mean of `sweeps` of the same wavelengths and angles, at least one.

@@ -17,8 +17,9 @@ use std::sync::{Arc, OnceLock};
 /// Maximum number of windows whose spectra the cache on disk keeps: more would fill it.
 const CACHED_WINDOWS: u32 = 16;
 
-/// Calls `ask` with the BRDF of `field` under `settings` and its weight in the mean: once, or once for each window if
-/// the method evaluates one window at a time. Notes for the user go to `context`, which also has the device, if one is needed.
+/// Calls `ask` with the BRDF of `field` under `settings` and its weight in the mean: once, or once for each window, column by column,
+/// if the method evaluates one window at a time or `settings` ask for it. All windows share a limit of energy. Notes for the user go
+/// to `context`, which also has the device, if one is needed.
 ///
 /// # Errors
 /// Same as [`source`], or the error of `ask`.
@@ -31,7 +32,7 @@ pub fn for_each_window(
 ) -> Result<()> {
     let optics = &settings.optics;
     optics.check()?;
-    let illuminant = &optics.illuminant;
+    let illuminant = optics.illuminant.clone();
     let mean = || -> Result<MeanBrdf> {
         let sigma = settings.power_sigma()?;
         Ok(MeanBrdf {
@@ -43,33 +44,55 @@ pub fn for_each_window(
     };
     match (optics.method, optics.windows) {
         (Method::Reference, Windows::All) => {
-            return ask(&mut MeanReference::new(mean()?, illuminant.clone(), settings.shortest), 1.0);
+            ask(&mut MeanReference::new(mean()?, illuminant, settings.shortest), 1.0)
         }
         (Method::Reference, Windows::Grid(windows)) => {
-            let (limit, too_high) = single_limit(field, settings, task)?;
-            too_high.iter().for_each(|note| context.tell(note));
-            let limit = limit.map(|limit| limit as Arc<dyn EnergyLimit>);
-            let reference = Reference::new(field, optics.coherence, windows, optics.reflectance.clone());
-            let reference = reference.limited(limit);
-            return ask(&mut DirectSum { reference, illuminant: illuminant.clone() }, 1.0);
+            for_each_sum(field, settings, windows, context, task, ask)
         }
         (Method::Spectral, Windows::All) => {
-            return ask(&mut MeanFromOrders::new(mean()?, illuminant.clone(), optics.tolerance), 1.0);
+            ask(&mut MeanFromOrders::new(mean()?, illuminant, optics.tolerance), 1.0)
         }
-        _ => {}
+        _ => for_each_source(field, settings, context, task, ask),
     }
+}
+
+/// Does [`for_each_window`] by direct sums.
+fn for_each_sum(
+    field: &HeightField,
+    settings: &SourceSettings,
+    windows: [u32; 2],
+    context: &Context,
+    task: &Task,
+    mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
+) -> Result<()> {
+    let (limit, too_high) = single_limit(field, settings, task)?;
+    too_high.iter().for_each(|note| context.tell(note));
+    let limit = limit.map(|limit| limit as Arc<dyn EnergyLimit>);
+    let Optics { coherence, reflectance, illuminant, .. } = &settings.optics;
+    let sum = |field: &HeightField, windows| {
+        let reference = Reference::new(field, *coherence, windows, reflectance.clone());
+        DirectSum { reference: reference.limited(limit.clone()), illuminant: illuminant.clone() }
+    };
+    if !settings.windows_apart {
+        return ask(&mut sum(field, windows), 1.0);
+    }
+    // A window elsewhere on the periodic surface is this window on the moved surface.
+    shifts(field, windows)
+        .try_for_each(|shift| ask(&mut sum(&field.begun_at(shift), [1, 1]), weight(windows)))
+}
+
+/// Does [`for_each_window`] by sources on the device.
+fn for_each_source(
+    field: &HeightField,
+    settings: &SourceSettings,
+    context: &Context,
+    task: &Task,
+    mut ask: impl FnMut(&mut dyn Brdf, f64) -> Result<()>,
+) -> Result<()> {
+    let optics = &settings.optics;
     let device = context.device()?;
-    // All windows share a limit, which colours do not need.
-    let made_limit = OnceLock::new();
-    let (of, under) = (field.clone(), settings.clone());
-    let limit: Arc<MakeLimit> = Arc::new(move |task| {
-        if let Some(limit) = made_limit.get() {
-            return Ok(Option::clone(limit));
-        }
-        let (limit, _) = single_limit(&of, &under, task)?;
-        Ok(made_limit.get_or_init(|| limit).clone())
-    });
-    let [n, m] = optics.windows.grid().unwrap_or([1, 1]);
+    let limit = shared_limit(field, settings);
+    let windows @ [n, m] = optics.windows.grid().unwrap_or([1, 1]);
     // Spectra of many windows would fill the cache.
     let mut in_use = if n * m <= CACHED_WINDOWS { InUse::new(context) } else { InUse::default() };
     let mut energy = None;
@@ -78,9 +101,7 @@ pub fn for_each_window(
         Windows::Grid(_) => Optics { windows: Windows::ONE, ..optics.clone() },
         Windows::All => optics.clone(),
     };
-    let patch = field.patch_size();
-    for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
-        let shift = [f64::from(i) / f64::from(n) * patch[0], f64::from(j) / f64::from(m) * patch[1]];
+    for shift in shifts(field, windows) {
         let settings = SourceSettings { optics: one.clone(), shift, ..settings.clone() };
         let made = source(field, &settings, device.candidate(), &mut in_use, task)?;
         made.note.iter().for_each(|note| context.tell(note));
@@ -88,7 +109,32 @@ pub fn for_each_window(
         // Kept for the next window.
         energy = made.source.energy().cloned().or(energy);
         drop(made);
-        ask(&mut brdf, 1.0 / (f64::from(n) * f64::from(m)))?;
+        ask(&mut brdf, weight(windows))?;
     }
     Ok(())
+}
+
+/// Returns the limit of `field`, made where it is first needed: colours never do.
+fn shared_limit(field: &HeightField, settings: &SourceSettings) -> Arc<MakeLimit> {
+    let made_limit = OnceLock::new();
+    let (field, settings) = (field.clone(), settings.clone());
+    Arc::new(move |task| {
+        if let Some(limit) = made_limit.get() {
+            return Ok(Option::clone(limit));
+        }
+        let (limit, _) = single_limit(&field, &settings, task)?;
+        Ok(made_limit.get_or_init(|| limit).clone())
+    })
+}
+
+/// Returns the offset of each of n × m windows \[µm\], which are spread evenly over the patch, column by column.
+fn shifts(field: &HeightField, [n, m]: [u32; 2]) -> impl Iterator<Item = [f64; 2]> {
+    let [width, height] = field.patch_size();
+    let part = |number: u32, of: u32, side: f64| f64::from(number) / f64::from(of) * side;
+    (0..n).flat_map(move |i| (0..m).map(move |j| [part(i, n, width), part(j, m, height)]))
+}
+
+/// Returns the weight of each of n × m windows in their mean.
+fn weight([n, m]: [u32; 2]) -> f64 {
+    1.0 / (f64::from(n) * f64::from(m))
 }

@@ -39,12 +39,15 @@ pub struct SourceSettings {
     pub shift: [f64; 2],
     /// Sizes of the pixels' footprints; 0 for single directions.
     pub footprints: FootprintSizes,
+    /// True for a BRDF of each window, even where their mean is computed at once.
+    pub windows_apart: bool,
 }
 
 impl SourceSettings {
     /// Returns settings for colours, with the window at the centre of the patch.
     pub fn new(optics: Optics) -> Self {
-        Self { optics, shortest: SHORTEST, shift: [0.0; 2], footprints: FootprintSizes::default() }
+        let footprints = FootprintSizes::default();
+        Self { optics, shortest: SHORTEST, shift: [0.0; 2], footprints, windows_apart: false }
     }
 }
 

@@ -193,28 +193,52 @@ fn windows_are_told_one_by_one_and_their_average_differs_from_each() {
 }
 
 #[test]
+fn the_direct_sum_says_the_same_of_each_window() {
+    let sandbox = Sandbox::new();
+    let ask = |method: &str| {
+        let more = ["--wavelengths", "550:550:1", "--coherence", "gaussian:20um", "--pixel-size", "120nm"];
+        let more = [&more[..], &["--windows", "3x2", "--json", "p.json", "--method", method]].concat();
+        let outcome = peaks(&sandbox, "elaphe", "-75", "26:36:0.5", &more);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
+        (rows(&outcome.stdout)[0], json["windows"].clone())
+    };
+    let ((of_device, windows), (of_sum, expected)) = (ask("spectral"), ask("reference"));
+    assert_eq!(windows, expected);
+    let distinct: std::collections::HashSet<String> =
+        windows.as_array().unwrap().iter().map(|window| window["period_nm"]["mean"].to_string()).collect();
+    assert!(distinct.len() > 2, "{windows}");
+    // The surface moves by whole samples, the window on the device by any distance.
+    assert_eq!(of_device[1], of_sum[1]);
+    assert!((of_device[3] / of_sum[3] - 1.0).abs() < 2e-2, "{of_device:?} {of_sum:?}");
+}
+
+#[test]
 fn the_mean_over_all_windows_has_the_standard_error_of_some_of_them() {
     let sandbox = Sandbox::new();
-    let spread = |windows: &str| {
+    let spread = |windows: &str, angles: &str| {
         let more = ["--wavelengths", "500:500:1", "--coherence", "gaussian:32um", "--json", "p.json"];
         let more = [&more[..], &["--windows", windows]].concat();
-        // By coarser steps the peaks of all windows lie at one angle.
-        let outcome = peaks(&sandbox, "elaphe", "-75", "29:35:0.02", &more);
-        assert!(outcome.code == Some(0) && outcome.stderr.contains("95 % within"), "{outcome:?}");
+        let outcome = peaks(&sandbox, "elaphe", "-75", angles, &more);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
         let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();
-        (said(&outcome).len(), json)
+        (said(&outcome), json)
     };
-    let ((lines, all), (_, some)) = (spread("all"), spread("4x4"));
+    let ((lines, all), (_, some)) = (spread("all", "29:35:0.02"), spread("4x4", "29:35:0.02"));
+    assert!(lines.len() == 1 && lines[0].contains("95 % within"), "{lines:?}");
     // The patch of 65 um has 10.5 windows of 8 um that are independent: 4 x 4 are looked at, and none is told alone.
     let number = |json: &serde_json::Value, name: &str| json["over_windows"][name].as_f64().unwrap();
     assert!((number(&all, "independent_windows") - 10.5).abs() < 0.1, "{all}");
-    assert!(lines == 1 && all["windows"].is_null(), "{all}");
+    assert!(all["windows"].is_null(), "{all}");
     let errors = [&all, &some].map(|json| number(json, "standard_error_nm"));
     assert!(errors[0] > 1.0 && (errors[0] - errors[1]).abs() < 1e-9, "{errors:?}");
     let mean = |json: &serde_json::Value| json["period_nm"]["mean"].as_f64().unwrap();
     let interval: Vec<f64> = serde_json::from_value(all["over_windows"]["interval_95_nm"].clone()).unwrap();
     assert!((interval[0] + interval[1]) / 2.0 - mean(&all) < 1e-9, "{all}");
     assert!(interval[0] - 1e-9 < mean(&some) && mean(&some) < interval[1] + 1e-9, "{all} {some}");
+    let (lines, coarse) = spread("all", "29:35:0.2");
+    assert!(lines[0].contains("lie at the same angles: a smaller step of --angles"), "{lines:?}");
+    assert!(coarse["over_windows"]["interval_95_nm"].is_null(), "{coarse}");
 }
 
 #[test]

@@ -90,6 +90,11 @@ fn in_words(statistics: &PeriodStatistics, spread: Option<&WindowSpread>) -> Str
 /// Describes the uncertainty over windows.
 fn over_windows(spread: &WindowSpread) -> String {
     let WindowSpread { windows, independent, .. } = spread;
+    if spread.error == 0.0 {
+        return format!(
+            "the peaks of all {windows} windows lie at the same angles: a smaller step of --angles gives a standard error"
+        );
+    }
     let whose = if *independent < *windows as f64 {
         format!("{windows} windows, of which {independent:.1} are independent")
     } else {
@@ -173,7 +178,7 @@ struct PeriodSpread {
     windows: usize,
     independent_windows: f64,
     standard_error_nm: f64,
-    /// Confidence interval; `None` for too few windows.
+    /// Confidence interval; `None` for too few windows, or if their peaks lie at the same angles.
     interval_95_nm: Option<[f64; 2]>,
 }
 

@@ -19,45 +19,30 @@ pub fn of(
     field: &HeightField,
     console: &Console,
 ) -> Result<(AngleSweep, Vec<AngleSweep>)> {
-    let through = || AngleSweep::through(plane, optics, field, &mut |p, o, f| answer(p, o, f, console));
+    let mut answer = |p: &SweepPlane, o: &Optics, f: &HeightField| answer(p, o, f, console);
     match optics.windows {
-        Windows::ONE => Ok((through()?, Vec::new())),
         Windows::Grid(counts) => {
-            let windows = of_windows(plane, optics, field, counts, console)?;
-            Ok((AngleSweep::mean(&windows), windows))
+            let windows = AngleSweep::of_windows(plane, optics, field, counts, &mut answer)?;
+            // A single window has no spread.
+            Ok((AngleSweep::mean(&windows), if windows.len() > 1 { windows } else { Vec::new() }))
         }
         Windows::All => {
-            let mean = through()?;
-            let counts = windows_of_spread(optics, field);
-            let windows = counts
-                .map_or(Ok(Vec::new()), |count| of_windows(plane, optics, field, [count; 2], console))?;
-            Ok((mean, windows))
+            let mean = AngleSweep::through(plane, optics, field, &mut answer)?;
+            let of_windows = |n| AngleSweep::of_windows(plane, optics, field, [n, n], &mut answer);
+            Ok((mean, windows_of_spread(optics, field).map_or(Ok(Vec::new()), of_windows)?))
         }
     }
 }
 
-/// Returns the sweep of each of n × m windows.
-fn of_windows(
-    plane: &SweepPlane,
-    optics: &Optics,
-    field: &HeightField,
-    [n, m]: [u32; 2],
-    console: &Console,
-) -> Result<Vec<AngleSweep>> {
-    let bar = ProgressBar::hidden(console, "windows", "a smaller number of --windows", (n * m) as usize);
-    bar.add(0);
-    AngleSweep::of_windows(plane, optics, field, [n, m], &mut |plane, optics, field| {
-        let responses = answer(plane, optics, field, console)?;
-        bar.add(1);
-        Ok(responses)
-    })
-}
-
-/// Returns the responses of a plane, wavelength by wavelength.
+/// Returns the responses of a plane, window by window and wavelength by wavelength.
 fn answer(plane: &SweepPlane, optics: &Optics, field: &HeightField, console: &Console) -> Result<Vec<f64>> {
     let pairs = plane.pairs();
     let mut responses = Vec::with_capacity(plane.evaluations());
-    let settings = SourceSettings { shortest: plane.wavelengths[0], ..SourceSettings::new(optics.clone()) };
+    let settings = SourceSettings {
+        shortest: plane.wavelengths[0],
+        windows_apart: true,
+        ..SourceSettings::new(optics.clone())
+    };
     prepare::for_each_window(console, field, &settings, |brdf, _| {
         let bar = ProgressBar::over(console, DIRECTIONS, "a range with larger steps", plane.evaluations());
         for &wavelength in &plane.wavelengths {
