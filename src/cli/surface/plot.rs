@@ -294,7 +294,7 @@ mod tests {
     use crate::figure::FigureStyle;
     use crate::notes::Notes;
     use crate::optics::validity::LightColour;
-    use crate::surface::synth::SurfaceKind;
+    use crate::surface::synth::{Spec, SurfaceKind, generate};
     use crate::task::Task;
 
     #[test]
@@ -302,7 +302,11 @@ mod tests {
         let console = &Console::silent();
         for kind in SurfaceKind::ALL {
             let source = SurfaceSource::built_in(kind);
-            let field = source.load(&Task::silent()).unwrap();
+            // One at its own size, the others as small patches.
+            let field = match kind {
+                SurfaceKind::Elaphe => source.load(&Task::silent()).unwrap(),
+                _ => generate(&Spec::new(kind).with_patch([12.0; 2])).unwrap(),
+            };
             let theory = {
                 let green = LightColour::Wavelength(0.55);
                 ScalarTheory::of_field(&field, &Default::default(), green).unwrap()
