@@ -552,10 +552,10 @@ class Peaks:
         surface: quote `error` where there is one.
     error : float
         Standard error over windows of the surface in metres; NaN where there are too few, or no
-        device.
+        device, and 0 where their peaks lie at the same of the angles that were asked for.
     interval : float
-        Half the width of the 95 % confidence interval in metres; NaN where fewer than four windows
-        are independent.
+        Half the width of the 95 % confidence interval in metres; NaN where the error is 0 or fewer
+        than four windows are independent.
     branches : list of dict
         Period, deviation, error, interval and number of wavelengths of each branch; empty for one
         alone.
@@ -572,7 +572,7 @@ class Peaks:
 
     def __repr__(self) -> str:
         clear = int(np.count_nonzero(self.table["is_clear"]))
-        uncertain = self.deviation if np.isnan(self.error) else self.error
+        uncertain = self.error if self.error > 0 else self.deviation
         period = f"period {_words(self.period)} ± {_words(uncertain)}"
         return f"Peaks({period}, {clear} of {len(self.table)} wavelengths clear)"
 
