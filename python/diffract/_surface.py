@@ -552,7 +552,7 @@ class Peaks:
         surface: quote `error` where there is one.
     error : float
         Standard error over windows of the surface in metres; NaN where there are too few, or no
-        device, and 0 where their peaks lie at the same of the angles that were asked for.
+        device, and 0 where the peaks of all of them lie at the same angles.
     interval : float
         Half the width of the 95 % confidence interval in metres; NaN where the error is 0 or fewer
         than four windows are independent.

@@ -22,7 +22,8 @@ const ENERGY: &str = "energy";
 /// An export of *Elaphe* in gold takes 0.67 of the processor time that it takes with one order at once and roots by polar coordinates.
 const BLOCK: usize = 8;
 
-/// Largest number of directions that are kept, in some 20 MB.
+/// Largest number of directions that are kept, in some 20 MB. A sweep of *Elaphe* through 16 windows, over 31 wavelengths and 301 angles, takes a
+/// quarter of the processor time that it takes without (45 s instead of about 185, from the time of one window).
 const MOST_KEPT: usize = 1 << 18;
 
 /// Orders of a surface, or groups of neighbouring ones, with their powers as series in z, and the reflectance of the surface.

@@ -56,8 +56,8 @@ pub struct MeasuredPeriod {
     pub mean: Option<f64>,
     /// Standard deviation over the wavelengths; `None` below two.
     pub deviation: Option<f64>,
-    /// Standard error over windows of the surface; `None` if it holds fewer than two that are independent, 0 if their peaks lie at the same of the
-    /// angles that were asked for.
+    /// Standard error over windows of the surface; `None` if it holds fewer than two that are independent, 0 if the peaks
+    /// of all of them lie at the same angles.
     pub error: Option<f64>,
     /// Half the width of the 95 % confidence interval; `None` if the error is 0 or fewer than four windows are independent.
     pub half_interval: Option<f64>,
