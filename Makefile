@@ -42,9 +42,8 @@ setup:
 
 lint:
 	@tools/setup.sh build
-	cargo fmt --check
-	cargo fmt --check --manifest-path python/Cargo.toml
-	cargo clippy --all-targets --locked -- -D warnings
+	cargo fmt --all --check
+	PYO3_BUILD_EXTENSION_MODULE=1 PYO3_NO_PYTHON=1 cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 measure: build

@@ -130,8 +130,10 @@ fn pictures_of_the_book_are_small_and_each_is_shown() {
 // The reference of commands is that of a program with a window.
 #[cfg(feature = "viewer")]
 mod commands {
-    use std::path::Path;
+    use std::path::{Path, PathBuf};
     use std::process::{Command, Output};
+    use std::sync::Mutex;
+    use std::thread;
 
     /// Runs the quick commands of all pages, or of those that are named.
     fn book(pages: &[&Path]) -> Output {
@@ -140,10 +142,30 @@ mod commands {
         Command::new("sh").arg(script).arg("--quick").args(pages).env("DIFFRACT", program).output().unwrap()
     }
 
+    /// Returns the pages of the book that have quick commands.
+    fn pages_with_commands() -> Vec<PathBuf> {
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+        let summary = std::fs::read_to_string(docs.join("SUMMARY.md")).unwrap();
+        let mut pages = vec![docs.join("../README.md")];
+        pages.extend(super::targets(&summary).iter().map(|target| docs.join(target)));
+        pages.retain(|page| std::fs::read_to_string(page).unwrap().contains("\n```sh\n"));
+        pages
+    }
+
     #[test]
     fn quick_commands_of_the_book_run_and_print_what_it_says() {
-        let output = book(&[]);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let pages = pages_with_commands();
+        assert!(pages.len() > 7, "{pages:?}");
+        // Two pages at a time: most of their commands use one core.
+        let left = Mutex::new(pages.iter());
+        let run = || {
+            loop {
+                let Some(page) = left.lock().unwrap().next() else { return };
+                let output = book(&[page]);
+                assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            }
+        };
+        thread::scope(|scope| [scope.spawn(run), scope.spawn(run)].map(|thread| thread.join().unwrap()));
     }
 
     #[test]

@@ -562,67 +562,47 @@ fn dropped_errors_are_found() {
     assert_eq!(dropped_errors(code), [1, 5, 8]);
 }
 
-/// Name and version of each package in the text of a lock file.
-fn locked(text: &str) -> BTreeMap<String, BTreeSet<String>> {
-    let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for package in text.split("[[package]]").skip(1) {
-        let value = |key: &str| {
-            let line = package.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
-            line.unwrap_or_default().trim_matches('"').to_owned()
-        };
-        found.entry(value("name")).or_default().insert(value("version"));
-    }
-    found
-}
-
 #[test]
-fn the_version_and_the_crates_of_the_python_module_are_those_of_the_program() {
+fn the_python_module_and_the_citation_have_the_program_s_version() {
     let read =
         |name: &str| std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap();
     let version = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));
     assert!(read("python/Cargo.toml").lines().any(|line| line == version), "python/Cargo.toml: {version}");
     let cited = format!("version: {}", env!("CARGO_PKG_VERSION"));
     assert!(read("CITATION.cff").lines().any(|line| line == cited), "CITATION.cff: {cited}");
-    let [program, module] = ["Cargo.lock", "python/Cargo.lock"].map(|name| locked(&read(name)));
-    assert!(program.len() > 100 && module.len() > 100);
-    for (name, versions) in module.iter().filter(|(name, _)| program.contains_key(*name)) {
-        // A crate of the module may need a version that no crate of the program accepts; it stands beside the other.
-        let could_be =
-            |version: &&String| program[name].iter().any(|of| compatible(of) == compatible(version));
-        let others: Vec<_> = versions.difference(&program[name]).filter(could_be).collect();
-        assert!(others.is_empty(), "python/Cargo.lock has {name} {others:?}: cargo update --precise");
-    }
-    // Crates that are built by the same settings are built once.
-    let [program, module] = ["Cargo.toml", "python/Cargo.toml"].map(|name| profiles(&read(name)));
-    assert!(program.len() > 10);
-    let missing: Vec<_> = program.difference(&module).collect();
-    assert!(missing.is_empty(), "python/Cargo.toml has not {missing:?}");
 }
 
-/// Returns what versions have in common that take each other's place: the first number that is not 0, and those before it.
-fn compatible(version: &str) -> String {
-    let mut is_found = false;
-    let numbers = version.split('.').take_while(|number| !std::mem::replace(&mut is_found, *number != "0"));
-    numbers.collect::<Vec<_>>().join(".")
-}
-
-#[test]
-fn versions_take_each_other_s_place_by_their_first_number_that_is_not_0() {
-    assert_eq!(compatible("1.2.3"), "1");
-    assert_eq!(compatible("0.2.3"), "0.2");
-    assert_eq!(compatible("0.0.3"), "0.0.3");
-}
-
-/// Settings of the profiles in the text of a manifest, each behind the head of its table.
-fn profiles(manifest: &str) -> BTreeSet<String> {
-    let mut head = "";
-    let mut found = BTreeSet::new();
-    for line in manifest.lines().map(|line| line.split('#').next().unwrap_or_default().trim()) {
-        if line.starts_with('[') {
-            head = line;
-        } else if head.starts_with("[profile.") && !line.is_empty() {
-            found.insert(format!("{head} {line}"));
+/// Returns the packages that cargo compiles for `selection`, each with every set of features it is compiled with.
+fn compiled(selection: &[&str]) -> BTreeMap<String, BTreeSet<String>> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let tree = std::process::Command::new(cargo)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["tree", "--locked", "--quiet", "--prefix", "none", "--no-dedupe", "--format", "{p}|{f}"])
+        .args(selection)
+        .output()
+        .unwrap();
+    assert!(tree.status.success(), "{}", String::from_utf8_lossy(&tree.stderr));
+    let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for line in String::from_utf8(tree.stdout).unwrap().lines() {
+        if let Some((package, features)) = line.split_once('|') {
+            found.entry(package.to_owned()).or_default().insert(features.to_owned());
         }
     }
     found
+}
+
+#[test]
+fn the_program_its_tests_and_the_python_module_share_what_is_built() {
+    let tests = compiled(&["--edges", "normal,build,dev"]);
+    let program = compiled(&["--edges", "normal,build"]);
+    let module = compiled(&["--edges", "normal,build", "--package", "diffract-python"]);
+    assert!(program.len() > 200 && module.len() > 200);
+    for (package, features) in program.iter().chain(&module) {
+        if let Some(of_tests) = tests.get(package) {
+            assert!(
+                features.is_subset(of_tests),
+                "{package} has the features {features:?}, and {of_tests:?} in the tests: it and what stands on it are built twice"
+            );
+        }
+    }
 }

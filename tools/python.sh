@@ -4,8 +4,7 @@
 #   tools/python.sh test [ARGUMENT]...  tests, with the arguments of pytest; e.g. tools/python.sh test -k orders
 #   tools/python.sh build               the module for the tests, in target/python
 #
-# PYTHON names the interpreter, else python3. Packages come from PyPI into target/python-venv. The tests' module is built by the profile of all other tests, in the same folder,
-# so that crates of others are built once.
+# PYTHON names the interpreter, else python3. Packages come from PyPI into target/python-venv. The tests' module stands on the library as all other tests have it.
 set -eu
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -36,7 +35,7 @@ END
 # build: the module for the tests: links to the Python files and to the built library.
 build() {
     PYO3_BUILD_EXTENSION_MODULE=1 PYO3_NO_PYTHON=1 CARGO_TARGET_DIR=$target \
-        cargo build --manifest-path python/Cargo.toml --locked
+        cargo build --package diffract-python --locked
     mkdir -p "$target/python/diffract"
     for file in "$root"/python/diffract/*; do
         case $file in */__pycache__) ;; *) ln -sf "$file" "$target/python/diffract/" ;; esac
