@@ -100,6 +100,11 @@ impl Descriptors {
         self.bind_buffer(number, buffer, Access::ComputeWrite);
     }
 
+    /// Returns the bindings of the layout.
+    pub(super) fn bindings(&self) -> &[Binding] {
+        &self.kinds
+    }
+
     /// Returns the bound resources with the accesses of the shaders.
     pub(super) fn accesses(&self) -> Vec<(Resource, Access)> {
         // A map that is only inserted into is always whole.

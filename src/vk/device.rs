@@ -2,6 +2,7 @@
 
 use super::event_log::EventLog;
 use super::failure;
+use super::idle_pipelines::{IdlePipelines, PipelineHandles};
 use super::instance::Instance;
 use super::selection::{self, Candidate, DeviceChoice};
 use crate::error::{Error, Remedies, Result};
@@ -32,6 +33,7 @@ pub struct Device {
     names: Option<ext::debug_utils::Device>,
     raw: ash::Device,
     pipelines: vk::PipelineCache,
+    idle_pipelines: IdlePipelines,
     queue: Mutex<vk::Queue>,
     queue_family: u32,
     candidate: Candidate,
@@ -110,6 +112,7 @@ impl Device {
             names,
             raw,
             pipelines: vk::PipelineCache::null(),
+            idle_pipelines: IdlePipelines::default(),
             queue: Mutex::new(queue),
             queue_family,
             candidate,
@@ -134,6 +137,23 @@ impl Device {
     /// Returns the cache that pipelines are made with.
     pub(super) fn pipelines(&self) -> vk::PipelineCache {
         self.pipelines
+    }
+
+    /// Returns the pipelines that nothing uses.
+    pub(super) fn idle_pipelines(&self) -> &IdlePipelines {
+        &self.idle_pipelines
+    }
+
+    /// Destroys a pipeline and its layout, of which either may be null.
+    ///
+    /// # Safety
+    /// The handles are of this device, and no submitted work uses them.
+    pub(super) unsafe fn destroy_pipeline(&self, PipelineHandles { raw, layout }: PipelineHandles) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            self.raw.destroy_pipeline(raw, None);
+            self.raw.destroy_pipeline_layout(layout, None);
+        }
     }
 
     /// Returns the log of recorded events, for tests.
@@ -277,6 +297,9 @@ impl Drop for Device {
             let _ = self.raw.device_wait_idle(); // a lost device is idle, too
             if let Ok(mut allocator) = self.allocator.lock() {
                 allocator.take();
+            }
+            for handles in self.idle_pipelines.take_all() {
+                self.destroy_pipeline(handles);
             }
             self.raw.destroy_pipeline_cache(self.pipelines, None);
             self.raw.destroy_device(None);

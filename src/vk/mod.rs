@@ -10,6 +10,7 @@ pub mod commands;
 pub mod descriptors;
 pub mod device;
 pub mod event_log;
+mod idle_pipelines;
 pub mod image;
 pub mod instance;
 pub mod mask;

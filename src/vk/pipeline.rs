@@ -3,9 +3,11 @@
 use super::descriptors::Descriptors;
 use super::device::Device;
 use super::failure;
+use super::idle_pipelines::PipelineHandles;
 use super::image::has_stencil;
 use crate::error::{Error, Result};
 use ash::vk;
+use std::fmt::Debug;
 use std::sync::Arc;
 
 /// Shader module, needed only to create pipelines.
@@ -156,16 +158,28 @@ impl<'a> Code<'a> {
 
 /// Pipeline and its layout.
 pub struct Pipeline {
-    raw: vk::Pipeline,
-    layout: vk::PipelineLayout,
+    handles: PipelineHandles,
+    key: blake3::Hash,
     bind_point: vk::PipelineBindPoint,
     push_stages: vk::ShaderStageFlags,
     device: Arc<Device>,
 }
 
+/// Returns the hash of all that a pipeline follows from: its stages, its `state`, and its layout.
+fn key_of(stages: &[Code<'_>], state: impl Debug, sets: &[&Descriptors], push_bytes: u32) -> blake3::Hash {
+    let mut hasher = blake3::Hasher::new();
+    for Code { name, spirv, constants } in stages {
+        hasher.update(format!("{name:?} {constants:?} {} ", spirv.len()).as_bytes()).update(spirv);
+    }
+    let bindings: Vec<_> = sets.iter().map(|set| set.bindings()).collect();
+    hasher.update(format!("{state:?} {bindings:?} {push_bytes}").as_bytes()).finalize()
+}
+
 impl Pipeline {
-    fn empty(
+    /// Returns an idle pipeline that follows from what `key` is the hash of, or a layout without a pipeline.
+    fn idle_or_empty(
         device: &Arc<Device>,
+        key: blake3::Hash,
         sets: &[&Descriptors],
         bind_point: vk::PipelineBindPoint,
         push_bytes: u32,
@@ -174,6 +188,10 @@ impl Pipeline {
             vk::PipelineBindPoint::COMPUTE => vk::ShaderStageFlags::COMPUTE,
             _ => vk::ShaderStageFlags::FRAGMENT,
         };
+        let with = |handles| Self { handles, key, bind_point, push_stages, device: device.clone() };
+        if let Some(handles) = device.idle_pipelines().take(&key) {
+            return Ok(with(handles));
+        }
         let layouts: Vec<_> = sets.iter().map(|set| set.layout()).collect();
         let ranges = [vk::PushConstantRange::default().stage_flags(push_stages).size(push_bytes)];
         let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
@@ -183,7 +201,11 @@ impl Pipeline {
         // SAFETY: the device and the set layout are live.
         let layout = unsafe { device.raw().create_pipeline_layout(&info, None) }
             .map_err(|c| failure("make a pipeline layout", c))?;
-        Ok(Self { raw: vk::Pipeline::null(), layout, bind_point, push_stages, device: device.clone() })
+        Ok(with(PipelineHandles { raw: vk::Pipeline::null(), layout }))
+    }
+
+    fn is_made(&self) -> bool {
+        self.handles.raw != vk::Pipeline::null()
     }
 
     /// Makes a compute pipeline over `sets`, set 0 first.
@@ -196,15 +218,20 @@ impl Pipeline {
         sets: &[&Descriptors],
         push_bytes: u32,
     ) -> Result<Self> {
-        let mut made = Self::empty(device, sets, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
+        let key = key_of(&[code], (), sets, push_bytes);
+        let mut made = Self::idle_or_empty(device, key, sets, vk::PipelineBindPoint::COMPUTE, push_bytes)?;
+        if made.is_made() {
+            return Ok(made);
+        }
         let module = Module::new(device, code)?;
         let constants = module.specialization();
         let info = vk::ComputePipelineCreateInfo::default()
             .stage(module.stage(vk::ShaderStageFlags::COMPUTE, &constants))
-            .layout(made.layout);
+            .layout(made.handles.layout);
         // SAFETY: module and layout are live and agree with the shader's declarations.
-        made.raw = unsafe { device.raw().create_compute_pipelines(device.pipelines(), &[info], None) }
-            .map_err(|(_, c)| failure(&format!("make the pipeline of {}", code.name), c))?[0];
+        made.handles.raw =
+            unsafe { device.raw().create_compute_pipelines(device.pipelines(), &[info], None) }
+                .map_err(|(_, c)| failure(&format!("make the pipeline of {}", code.name), c))?[0];
         made.named(code.name);
         Ok(made)
     }
@@ -258,7 +285,12 @@ impl Pipeline {
         push_bytes: u32,
         blend: vk::PipelineColorBlendAttachmentState,
     ) -> Result<Self> {
-        let mut made = Self::empty(device, sets, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
+        let stages: Vec<_> = [vertex].into_iter().chain(fragment).collect();
+        let key = key_of(&stages, (drawing, blend), sets, push_bytes);
+        let mut made = Self::idle_or_empty(device, key, sets, vk::PipelineBindPoint::GRAPHICS, push_bytes)?;
+        if made.is_made() {
+            return Ok(made);
+        }
         let vertex_module = Module::new(device, vertex)?;
         let fragment_module = fragment.map(|code| Module::new(device, code)).transpose()?;
         let vertex_constants = vertex_module.specialization();
@@ -315,28 +347,29 @@ impl Pipeline {
             .depth_stencil_state(&depth)
             .color_blend_state(&blend)
             .dynamic_state(&dynamic)
-            .layout(made.layout)
+            .layout(made.handles.layout)
             .push_next(&mut rendering);
         // SAFETY: modules, layout and every state structure are live through the call and agree with the shaders.
-        made.raw = unsafe { device.raw().create_graphics_pipelines(device.pipelines(), &[info], None) }
-            .map_err(|(_, c)| failure(&format!("make the pipeline of {}", vertex.name), c))?[0];
+        made.handles.raw =
+            unsafe { device.raw().create_graphics_pipelines(device.pipelines(), &[info], None) }
+                .map_err(|(_, c)| failure(&format!("make the pipeline of {}", vertex.name), c))?[0];
         made.named(fragment.map_or(vertex.name, |code| code.name));
         Ok(made)
     }
 
     fn named(&self, name: &str) {
-        self.device.name(self.raw, &format!("{name} pipeline"));
-        self.device.name(self.layout, &format!("{name} pipeline layout"));
+        self.device.name(self.handles.raw, &format!("{name} pipeline"));
+        self.device.name(self.handles.layout, &format!("{name} pipeline layout"));
     }
 
     /// Returns the handle.
     pub fn raw(&self) -> vk::Pipeline {
-        self.raw
+        self.handles.raw
     }
 
     /// Returns the layout.
     pub fn layout(&self) -> vk::PipelineLayout {
-        self.layout
+        self.handles.layout
     }
 
     /// Returns the bind point: graphics or compute.
@@ -352,10 +385,14 @@ impl Pipeline {
 
 impl Drop for Pipeline {
     fn drop(&mut self) {
-        // SAFETY: dropped when no submitted work uses it; null handles are allowed.
-        unsafe {
-            self.device.raw().destroy_pipeline(self.raw, None);
-            self.device.raw().destroy_pipeline_layout(self.layout, None);
+        let unused = if self.is_made() {
+            self.device.idle_pipelines().keep(self.key, self.handles)
+        } else {
+            Some(self.handles)
+        };
+        if let Some(handles) = unused {
+            // SAFETY: pipelines of this device are dropped when no submitted work uses them, and idle ones were.
+            unsafe { self.device.destroy_pipeline(handles) };
         }
     }
 }

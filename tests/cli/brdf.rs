@@ -379,7 +379,7 @@ fn a_figure_says_angles_scale_and_settings_and_is_drawn_beside_the_map() {
 fn compare_tells_methods_apart_from_equal_ones() {
     let sandbox = Sandbox::new();
     let deviation = |pair: &str| -> f64 {
-        let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.png"];
+        let start = ["brdf", "blaze", "--light", "30,0", "--wavelength", "550nm", "--plot", "m.svg"];
         // Bases are of one window.
         let more = ["--compare", pair, "--windows", "1x1", "--coherence", "gaussian:8um", "--size", "16x16"];
         let outcome = sandbox.run2(&start, &more);
@@ -401,7 +401,7 @@ fn repeats_agree_with_the_reference_and_another_number_of_copies_does_not() {
     let sandbox = Sandbox::new();
     let ask = |copies: &str, more: &[&str]| -> Map {
         let start =
-            ["brdf", "bumps", "--light", "30,0", "-o", "m.exr", "--size", "64x64", "--coherence", copies];
+            ["brdf", "bumps", "--light", "30,0", "-o", "m.exr", "--size", "48x48", "--coherence", copies];
         let own = ["--pixel-size", "180nm", "--wavelength", "760nm"];
         let outcome = sandbox.run2(&start, &[&own[..], more].concat());
         assert_eq!(outcome.code, Some(0), "{outcome:?}");

@@ -111,52 +111,77 @@ const SIDE: usize = 64;
 /// Direction of the light of a bowl, its x and y.
 const LIGHT: [f64; 2] = [0.25, 0.5];
 
-/// Colours of pixels that both the page and this program cover, with and without `shadows` and each with or without the studio `around`, on the bowl seen by the page at `yaw` and `pitch`.
-fn bowls(sandbox: &Sandbox, [yaw, pitch]: [f64; 2], shadows: bool, around: [bool; 2]) -> [Vec<[f32; 4]>; 2] {
-    let (text, middle, radius) = bowl();
-    sandbox.write("bowl.obj", text);
-    let [x, y] = LIGHT;
-    page_with(sandbox, "0", &["--mesh", "bowl.obj", "-o", "material"]);
-    let mut browser = Browser::with(sandbox, &[]);
-    browser.open(sandbox, "page.html");
-    browser.value(&format!("element('around').checked = {}", around[0]));
-    let state = format!(
-        "{{ shape: MESH, yaw: {yaw}, pitch: {pitch}, distance: 1, shadows: {shadows}, light: [{x}, {y}] }}"
-    );
-    let shown = browser.radiance(SIDE, &state);
-    // y of the page is z here, and its z is -y. The camera and the light are those of the page.
-    let world = |[x, y, z]: [f64; 3]| [x, -z, y];
-    let back = world([yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()]);
-    let centre = world(middle);
-    let eye: Vec<String> = (0..3).map(|k| (centre[k] + 4.75 * radius * back[k]).to_string()).collect();
-    let light = world([x, y, (1.0 - x * x - y * y).sqrt()]);
-    let light = format!("{},{}", light[2].acos().to_degrees(), light[1].atan2(light[0]).to_degrees());
-    let [a, b, c] = centre;
-    let scene = format!(
-        "mesh = \"bowl.obj\"\nsurface = \"small.png\"\npixel_size = \"83.3333333nm\"\nheight = \"137.4nm\"\nlights = [\"{light}\"]\nshadows = {shadows}\n\
+/// A page of a bowl in a browser, and the material of its export, which this program draws.
+struct BowlPage<'a> {
+    sandbox: &'a Sandbox,
+    browser: Browser,
+    middle: [f64; 3],
+    radius: f64,
+}
+
+impl<'a> BowlPage<'a> {
+    fn open(sandbox: &'a Sandbox) -> Self {
+        let (text, middle, radius) = bowl();
+        sandbox.write("bowl.obj", text);
+        page_with(sandbox, "0", &["--mesh", "bowl.obj", "-o", "material"]);
+        Self { sandbox, browser: on_a_small_screen(sandbox), middle, radius }
+    }
+
+    /// Returns colours of the pixels that both the page and this program cover, with and without `shadows` and each with or without the studio `around`, on the bowl
+    /// seen by the page at `yaw` and `pitch`.
+    fn colours(&mut self, [yaw, pitch]: [f64; 2], shadows: bool, around: [bool; 2]) -> [Vec<[f32; 4]>; 2] {
+        let Self { browser, middle, radius, .. } = self;
+        let [x, y] = LIGHT;
+        browser.value(&format!("element('around').checked = {}", around[0]));
+        let state = format!(
+            "{{ shape: MESH, yaw: {yaw}, pitch: {pitch}, distance: 1, shadows: {shadows}, light: [{x}, {y}] }}"
+        );
+        let shown = browser.radiance(SIDE, &state);
+        // y of the page is z here, and its z is -y. The camera and the light are those of the page.
+        let world = |[x, y, z]: [f64; 3]| [x, -z, y];
+        let back = world([yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()]);
+        let centre = world(*middle);
+        let eye: Vec<String> = (0..3).map(|k| (centre[k] + 4.75 * *radius * back[k]).to_string()).collect();
+        let light = world([x, y, (1.0 - x * x - y * y).sqrt()]);
+        let light = format!("{},{}", light[2].acos().to_degrees(), light[1].atan2(light[0]).to_degrees());
+        let [a, b, c] = centre;
+        let scene = format!(
+            "mesh = \"bowl.obj\"\nsurface = \"small.png\"\npixel_size = \"83.3333333nm\"\nheight = \"137.4nm\"\nlights = [\"{light}\"]\nshadows = {shadows}\n\
          base_color = [0.0, 0.0, 0.0]\n{}[camera]\neye = [{}]\ntarget = [{a}, {b}, {c}]\nfield_of_view = \"{}deg\"\n",
-        if around[1] { "[environment]\nname = \"studio\"\n" } else { "" },
-        eye.join(","),
-        2.0 * (1.0f64 / 3.2).atan().to_degrees()
-    );
-    sandbox.write("bowl.toml", scene);
-    let size = format!("{SIDE}x{SIDE}");
-    let samples = if around[1] { "16" } else { "1" };
-    let picture = ["render", "bowl.toml", "--size", &size, "--samples", samples, "--tolerance", "5e-2"];
-    sandbox.run2(&picture, &["--coherence", "gaussian:8um", "--table", "material", "-o", "bowl.exr"]).done();
-    let ours = exr(sandbox, "bowl.exr").2;
-    // The page's rows go up.
-    let pairs = (0..SIDE * SIDE).map(|i| (shown[(SIDE - 1 - i / SIDE) * SIDE + i % SIDE], ours[i]));
-    let (shown, ours): (Vec<_>, Vec<_>) = pairs.filter(|(a, b)| a[3] == 1.0 && b[3] == 1.0).unzip();
-    assert!(shown.len() > SIDE * SIDE / 8, "{} pixels", shown.len());
-    [shown, ours]
+            if around[1] { "[environment]\nname = \"studio\"\n" } else { "" },
+            eye.join(","),
+            2.0 * (1.0f64 / 3.2).atan().to_degrees()
+        );
+        self.sandbox.write("bowl.toml", scene);
+        let size = format!("{SIDE}x{SIDE}");
+        let samples = if around[1] { "16" } else { "1" };
+        let picture = ["render", "bowl.toml", "--size", &size, "--samples", samples, "--tolerance", "5e-2"];
+        self.sandbox
+            .run2(&picture, &["--coherence", "gaussian:8um", "--table", "material", "-o", "bowl.exr"])
+            .done();
+        let ours = exr(self.sandbox, "bowl.exr").2;
+        // The page's rows go up.
+        let pairs = (0..SIDE * SIDE).map(|i| (shown[(SIDE - 1 - i / SIDE) * SIDE + i % SIDE], ours[i]));
+        let (shown, ours): (Vec<_>, Vec<_>) = pairs.filter(|(a, b)| a[3] == 1.0 && b[3] == 1.0).unzip();
+        assert!(shown.len() > SIDE * SIDE / 8, "{} pixels", shown.len());
+        [shown, ours]
+    }
+}
+
+/// Opens `page.html` of the sandbox on a screen on which the whole page is drawn soon.
+fn on_a_small_screen(sandbox: &Sandbox) -> Browser {
+    let mut browser = Browser::with(sandbox, &[]);
+    browser.resize([240, 240], 1);
+    browser.open(sandbox, "page.html");
+    browser
 }
 
 #[test]
 fn a_browser_draws_a_mesh_as_this_program_does() {
     let sandbox = Sandbox::with_small_surface();
+    let mut page = BowlPage::open(&sandbox);
     for (view, shadows) in [([0.4, 0.5], false), ([-0.7, -0.3], false), ([0.4, 0.5], true)] {
-        let [shown, ours] = bowls(&sandbox, view, shadows, [false; 2]);
+        let [shown, ours] = page.colours(view, shadows, [false; 2]);
         let off = deviation(&shown, &ours);
         eprintln!("{view:?}, shadows {shadows}: {off:e} over {} pixels", shown.len());
         // 1.0e-2, 2.0e-2 and 1.0e-2 are measured.
@@ -169,8 +194,9 @@ fn a_browser_draws_a_mesh_as_this_program_does() {
 #[test]
 fn the_studio_of_a_page_is_that_of_this_program() {
     let sandbox = Sandbox::with_small_surface();
-    let compared = |of_page: bool| {
-        let [shown, ours] = bowls(&sandbox, [0.4, 0.5], false, [of_page, true]);
+    let mut page = BowlPage::open(&sandbox);
+    let mut compared = |of_page: bool| {
+        let [shown, ours] = page.colours([0.4, 0.5], false, [of_page, true]);
         deviation(&shown, &ours)
     };
     let (off, without) = (compared(true), compared(false));
@@ -185,8 +211,7 @@ fn shadows_stay_while_only_the_view_turns() {
     let sandbox = Sandbox::with_small_surface().without_vulkan();
     sandbox.write("bowl.obj", bowl().0);
     page_with(&sandbox, "0.05", &["--mesh", "bowl.obj"]);
-    let mut browser = Browser::with(&sandbox, &[]);
-    browser.open(&sandbox, "page.html");
+    let mut browser = on_a_small_screen(&sandbox);
     let mut passes = |change: &str| {
         browser.value(change);
         browser.wait_for_picture();

@@ -217,8 +217,8 @@ fn the_direct_sum_says_the_same_of_each_window() {
 fn the_mean_over_all_windows_has_the_standard_error_of_some_of_them() {
     let sandbox = Sandbox::new();
     let spread = |windows: &str, angles: &str| {
-        let more = ["--wavelengths", "500:500:1", "--coherence", "gaussian:32um", "--json", "p.json"];
-        let more = [&more[..], &["--windows", windows]].concat();
+        let more = ["--wavelengths", "500:500:1", "--coherence", "gaussian:32um", "--pixel-size", "125nm"];
+        let more = [&more[..], &["--json", "p.json", "--windows", windows]].concat();
         let outcome = peaks(&sandbox, "elaphe", "-75", angles, &more);
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         let json: serde_json::Value = serde_json::from_slice(&sandbox.read("p.json")).unwrap();

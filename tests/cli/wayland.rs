@@ -69,7 +69,7 @@ impl Wayland {
     pub fn key(&self, name: &str) {
         // A keyboard that comes and goes at once is not seen by windows.
         let status = Command::new("wtype")
-            .args(["-s", "400", "-k", name, "-s", "400"])
+            .args(["-s", "800", "-k", name, "-s", "800"])
             .envs(self.variables())
             .status()
             .unwrap_or_else(|e| panic!("wtype does not start ({e}): tools/setup.sh test installs it"));

@@ -28,6 +28,7 @@ mod objects;
 #[cfg(feature = "viewer")]
 mod panel;
 mod picture;
+mod pipelines;
 mod promise;
 mod rays;
 mod repeats;

@@ -83,28 +83,39 @@ fn error_of(case: &Case, sampling: Sampling) -> f64 {
     error
 }
 
-#[test]
-fn samples_of_every_surface_average_to_the_reference() {
+/// One sample of each picture is near the reference of that sample, and the mean of many within the tolerance.
+fn samples_average_to_the_reference(pictures: &[(&'static str, SurfaceKind)]) {
     let many = Sampling { count: 16, seed: 3 };
-    for (scene, kind, size) in [
-        ("skin", SurfaceKind::Xenopeltis, [64, 48]),
-        ("snake", SurfaceKind::Elaphe, [64, 48]),
-        ("sphere", SurfaceKind::Elaphe, [64, 48]),
-        ("sphere", SurfaceKind::Blaze, [64, 48]),
-        ("sphere", SurfaceKind::Sinusoid, [64, 48]),
-        ("sphere", SurfaceKind::Bumps, [64, 48]),
-        ("sphere", SurfaceKind::Tulip, [64, 48]),
-        ("sphere", SurfaceKind::Brushed, [64, 48]),
-        ("cd", SurfaceKind::Cd, [64, 48]),
-        ("cd", SurfaceKind::Dvd, [64, 48]),
-        ("disc", SurfaceKind::Sinusoid, [64, 48]),
-        ("plate", SurfaceKind::Xenopeltis, [64, 48]),
-    ] {
-        let case = Case { scene, kind, size, tolerance: 1e-2, light: None, material: None };
+    for &(scene, kind) in pictures {
+        let case = Case { scene, kind, size: [64, 48], tolerance: 1e-2, light: None, material: None };
         let (one, mean) = (error_of(&case, Sampling::ONE), error_of(&case, many));
         eprintln!("| {scene}, {kind:?} | {one:.4} | {mean:.4} |");
         assert!(one < 5e-2 && mean < 1e-2, "{scene}, {kind:?}: {one}, {mean}");
     }
+}
+
+#[test]
+fn samples_of_a_sphere_of_every_surface_average_to_the_reference() {
+    samples_average_to_the_reference(&[
+        ("sphere", SurfaceKind::Elaphe),
+        ("sphere", SurfaceKind::Blaze),
+        ("sphere", SurfaceKind::Sinusoid),
+        ("sphere", SurfaceKind::Bumps),
+        ("sphere", SurfaceKind::Tulip),
+        ("sphere", SurfaceKind::Brushed),
+    ]);
+}
+
+#[test]
+fn samples_of_other_scenes_average_to_the_reference() {
+    samples_average_to_the_reference(&[
+        ("skin", SurfaceKind::Xenopeltis),
+        ("snake", SurfaceKind::Elaphe),
+        ("cd", SurfaceKind::Cd),
+        ("cd", SurfaceKind::Dvd),
+        ("disc", SurfaceKind::Sinusoid),
+        ("plate", SurfaceKind::Xenopeltis),
+    ]);
 }
 
 #[test]

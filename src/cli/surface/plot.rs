@@ -305,7 +305,7 @@ mod tests {
             // One at its own size, the others as small patches.
             let field = match kind {
                 SurfaceKind::Elaphe => source.load(&Task::silent()).unwrap(),
-                _ => generate(&Spec::new(kind).with_patch([12.0; 2])).unwrap(),
+                _ => generate(&Spec::new(kind).with_patch([6.0; 2])).unwrap(),
             };
             let theory = {
                 let green = LightColour::Wavelength(0.55);
