@@ -6,7 +6,7 @@
 use ash::vk;
 use std::sync::{Mutex, PoisonError};
 
-/// Largest number of pipelines that are kept: those of three pictures of different kinds.
+/// Largest number of pipelines that are kept: a picture has 11 to 14, so those of two kinds of picture and some more.
 const MOST: usize = 32;
 
 /// Handles of a pipeline and its layout.
